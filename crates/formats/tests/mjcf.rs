@@ -973,6 +973,46 @@ fn rotors_reflect_on_all_of_a_joint() {
     }
 }
 
+/// As in MuJoCo 4.0, where an `orientation` has no rotor; a tendon's is left out with it.
+#[test]
+fn rotors_of_actuators_that_are_left_out_stay() {
+    let rotor = "armature='2' damping='5' gear='3'";
+    for (kind, actuator, factor) in [
+        ("hinge", format!("<muscle joint='j' {rotor}/>"), 9.0),
+        ("hinge", format!("<pid joint='j' {rotor}/>"), 9.0),
+        (
+            "hinge",
+            format!("<general joint='j' dyntype='integrator' {rotor}/>"),
+            9.0,
+        ),
+        (
+            "hinge",
+            format!("<position joint='j' timeconst='1' {rotor}/>"),
+            9.0,
+        ),
+        ("ball", format!("<position joint='j' {rotor}/>"), 9.0),
+        ("ball", format!("<motor jointinparent='j' {rotor}/>"), 9.0),
+        ("ball", "<orientation joint='j' class='c'/>".to_owned(), 0.0),
+        ("hinge", format!("<motor tendon='t' {rotor}/>"), 0.0),
+    ] {
+        let loaded = lenient(&format!(
+            "<mujoco><default><default class='c'><general {rotor}/></default></default>
+             <worldbody><body><joint name='j' type='{kind}'/><geom size='1'/></body></worldbody>
+             <actuator>{actuator}</actuator></mujoco>"
+        ));
+        assert_eq!(
+            loaded.warnings.len(),
+            1,
+            "{actuator}: {:?}",
+            loaded.warnings
+        );
+        for dof in &loaded.model.joints[0].dofs {
+            let found = (dof.armature, dof.damping);
+            assert_eq!(found, (2.0 * factor, 5.0 * factor), "{actuator}");
+        }
+    }
+}
+
 /// They exert no force in MuJoCo, but their rotors go along.
 #[test]
 fn actuators_that_are_switched_off_are_noted() {

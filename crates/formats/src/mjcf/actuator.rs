@@ -119,16 +119,19 @@ fn read_one(
     context: &Context<'_>,
     report: &mut Report,
 ) -> Result<Option<(Actuator, Option<f64>)>, FormatError> {
-    if !is_supported(element, report)? {
-        return Ok(None);
+    let supported = is_supported(element, report)?;
+    if supported {
+        report.check_attributes(element, &known(&element.name), &[])?;
     }
-    report.check_attributes(element, &known(&element.name), &[])?;
     let kinds = [KINDS, OTHERS].concat();
     let classes = context.defaults.classes(element, None, &kinds)?;
     let merged = inherit(element, &classes.concat());
+    add_reflected(&merged, tree, context, report)?;
+    if !supported {
+        return Ok(None);
+    }
     if let Some(why) = idleness(&merged, context)? {
         report.note(element, "actuator", why);
-        add_reflected(&merged, tree, context, report)?;
         return Ok(None);
     }
     if merged.number("delay")?.unwrap_or(0.0) > 0.0 {
@@ -151,7 +154,6 @@ fn read_one(
             .compiler
             .range(&merged, "forcelimited", "forcerange")?,
     };
-    add_reflected(&merged, tree, context, report)?;
     Ok(Some((actuator, servo.damping_ratio())))
 }
 
@@ -288,8 +290,9 @@ fn control_range(
         .acting(element, "ctrllimited", "ctrlrange", range)
 }
 
-/// Adds what the actuator's rotor adds to its joint, whether it acts or not: inertia and damping times gear². As in
-/// MuJoCo, the first number of `gear` counts for all degrees of freedom of a ball or free joint.
+/// Adds what the actuator's rotor adds to its joint, though the actuator be left out: inertia and damping times gear². As
+/// in MuJoCo, the first number of `gear` counts for all degrees of freedom of a ball or free joint, and an `orientation`
+/// has no rotor.
 fn add_reflected(
     element: &Element,
     tree: &mut Tree,
@@ -301,7 +304,7 @@ fn add_reflected(
         damping if context.physics.on("damper") => damping,
         _ => 0.0,
     };
-    if armature == 0.0 && damping == 0.0 {
+    if element.name == "orientation" || (armature, damping) == (0.0, 0.0) {
         return Ok(());
     }
     let Some(joint) = joint(element, tree, report)? else {
