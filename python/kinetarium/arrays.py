@@ -44,6 +44,15 @@ def _rows(key: Any, axis: int, names: Names) -> Any:
     return np.concatenate([np.arange(len(names))[rows(name, axis, names)].ravel() for name in key]).tolist()
 
 
+def _put(array: np.ndarray, key: Any, value: Any) -> None:
+    """Sets items by numbers; `ShapeError` where the value does not fit them."""
+    try:
+        np.ndarray.__setitem__(array, key, value)
+    except ValueError:
+        checked("the value", value, np.shape(array[key]))  # which says what is wrong with it
+        raise
+
+
 class NamedArray(np.ndarray):
     """A numpy array whose axes may have names, usable in place of numbers in its index.
 
@@ -51,6 +60,9 @@ class NamedArray(np.ndarray):
     the name of a joint of several columns. What an index gives has no names, and lies in the same memory or in memory
     of its own, as numpy's rules for views and copies say. `copy` and `astype` keep names. The result of arithmetic is
     a plain `numpy.ndarray`.
+
+    What is assigned must broadcast to the items; else `ShapeError` is raised. Indices out of range, and arithmetic
+    with what does not fit, raise what numpy does.
 
     Those of `Simulation.state` and `parameters` are read-only but for items that are set: what would else be written
     to a part of one, or to the whole by a function such as `numpy.copyto`, would not reach the simulation, and numpy
@@ -111,10 +123,11 @@ class NamedArray(np.ndarray):
     def __setitem__(self, key: Any, value: Any) -> None:
         key = self._numbers(key)
         if self._assign is None or self.held is None:
-            super().__setitem__(key, value)
+            _put(self, key, value)
             return
         wanted, chosen = self.held.copy(), np.zeros(self.shape, bool)
-        wanted[key], chosen[key] = value, True
+        _put(wanted, key, value)
+        chosen[key] = True
         self._assign(wanted, chosen)
         self.held[...] = wanted
 

@@ -142,6 +142,24 @@ def test_several_names_come_in_any_form(sim):
         force[:, ("hinge0", "hinge_1")]
 
 
+def test_what_does_not_fit_is_told_with_the_shapes(sim):
+    for array in (sim.controls.force, sim.state.joint_position, sim.state.joint_position.copy()):
+        before = np.array(array)
+        for key, value, told in (
+            (slice(None), [1, 2], r"the value has the shape \(2,\), which does not broadcast to \(\d+, 3\)"),
+            ((slice(None), ["hinge0", "hinge2"]), [1, 2, 3], r"\(3,\), which does not broadcast to \(\d+, 2\)"),
+            (0, [[1, 2], [3]], "the value is no array"),
+            ((0, "hinge1"), "fast", "the value is of dtype <U4: give real numbers"),
+        ):
+            with pytest.raises(ShapeError, match=told):
+                array[key] = value
+        assert (array == before).all()
+    with pytest.raises(ShapeError, match=r"\(2,\), which does not broadcast to \(3,\)"):
+        sim.controls.force[0][:] = [1, 2]
+    with pytest.raises(ValueError, match="read-only"):
+        sim.state.joint_position[0][:] = [1, 2, 3]
+
+
 def test_copies_keep_names(sim):
     for array in (sim.state.joint_position, sim.controls.force):
         for own in (
