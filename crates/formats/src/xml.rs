@@ -93,6 +93,13 @@ fn name(node: roxmltree::Node) -> String {
     }
 }
 
+/// What follows the comment or instruction that a text begins with.
+fn behind_comment(text: &str) -> Option<&str> {
+    let ends = [("<!--", "-->"), ("<?", "?>")];
+    let behind = |(start, end)| Some(text.strip_prefix(start)?.split_once(end)?.1);
+    ends.into_iter().find_map(behind)
+}
+
 /// Where each line of a text starts.
 struct Lines<'a> {
     text: &'a str,
@@ -113,10 +120,15 @@ impl<'a> Lines<'a> {
         }
     }
 
-    /// The error of a text that defines its type; the parser does not say where.
+    /// The error of a text that defines its type; the parser does not say where. It stands behind comments and
+    /// instructions, which may name one.
     fn type_definition(&self) -> FormatError {
+        let mut rest = self.text.trim_start_matches('\u{feff}').trim_start();
+        while let Some(behind) = behind_comment(rest) {
+            rest = behind.trim_start();
+        }
         FormatError::Invalid {
-            place: self.place(self.text.find("<!DOCTYPE").unwrap_or(0)),
+            place: self.place(self.text.len() - rest.len()),
             element: "!DOCTYPE".into(),
             problem: "document type definitions are not read".into(),
             remedy: "remove the line".into(),

@@ -83,6 +83,14 @@ const XML: &[(&str, &str)] = &[
         "robot.xml:2:2: <!DOCTYPE>: document type definitions are not read; remove the line",
     ),
     (
+        "<?x <!DOCTYPE?><!--> no <!DOCTYPE -->\n<!-- -->\n  <!DOCTYPE mujoco>\n<mujoco/>",
+        "robot.xml:3:3: <!DOCTYPE>: document type definitions are not read; remove the line",
+    ),
+    (
+        "\u{feff}<!DOCTYPE mujoco>\n<mujoco/>",
+        "robot.xml:1:2: <!DOCTYPE>: document type definitions are not read; remove the line",
+    ),
+    (
         "<sdf/>",
         "robot.xml:1:1: <sdf>: the root element names no known format; MJCF files start with <mujoco>, URDF files with <robot>",
     ),
