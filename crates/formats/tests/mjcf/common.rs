@@ -1,0 +1,26 @@
+//! Files that are texts, read.
+
+use kinetarium_formats::{InMemory, Loaded, Options, Warning, parse};
+
+fn read_with(body: &str, options: &Options) -> Loaded {
+    let files = InMemory::default();
+    parse(body, "robot.xml", &files, options).unwrap_or_else(|error| panic!("{error}"))
+}
+
+pub fn read(text: &str) -> Loaded {
+    read_with(text, &Options::default())
+}
+
+pub fn lenient(text: &str) -> Loaded {
+    read_with(
+        text,
+        &Options {
+            lenient: true,
+            ..Options::default()
+        },
+    )
+}
+
+pub fn lines(warnings: &[Warning]) -> Vec<String> {
+    warnings.iter().map(Warning::to_string).collect()
+}
