@@ -48,7 +48,8 @@
 //! - `touch` is of all contacts of the site's body. What other sensors measure, and of rangefinders other `data` than
 //!   the distance, is not read, and listed; nor is `subtreecom` where static bodies are in the subtree, but for frames
 //!   that hold nothing: static bodies have no mass here.
-//! - A rangefinder in the world sees what else is in the world; MuJoCo's sees bodies alone.
+//! - A rangefinder in the world sees what else is in the world; MuJoCo's sees bodies alone. A plane is the half space below
+//!   it for rays as for contacts; pictures and MuJoCo's rays end it at its `size`, and the latter meet it from above alone.
 //! - Cameras of mode `trackcom` go along with their body's origin; those that aim at a body, and orthographic ones,
 //!   are left out.
 //! - A height field is its surface; MuJoCo's is solid down to its base.
