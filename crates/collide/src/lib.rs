@@ -26,8 +26,9 @@
 //!
 //! # Limits
 //! - Solids within [`FLAT`] of parallel count as parallel: their points may be off by that angle. Faces and edges that
-//!   lean by up to 0.2 rad touch with all that they overlap in, each point as deep as it is; those of meshes only where
-//!   they touch planes, on other solids they touch in their deepest one or two points.
+//!   lean by up to 0.2 rad touch with all that they overlap in, each point as deep as it is; those of hulls on planes by up
+//!   to 0.15 rad, and those of meshes only on planes, as hulls: on other solids they touch in their deepest one or two
+//!   points. More than these angles may do: boxes have 0.2 rad about each axis, hulls on solids up to 0.37.
 //! - Where solids overlap by more than a tenth of the smaller one, the way out is not the
 //!   shortest in up to one of a hundred poses; its depth is right for its normal in any case.
 //! - A mesh is touched from its front, by solids whose origin is in front of the triangle, and by the
