@@ -251,11 +251,9 @@ impl Model {
     }
     /// Mass of all dynamic bodies [kg].
     pub fn total_mass(&self) -> f64 {
-        self.bodies
-            .iter()
-            .filter(|b| b.kind == BodyKind::Dynamic)
-            .map(|b| b.mass)
-            .sum()
+        let dynamic = self.bodies.iter().filter(|b| b.kind == BodyKind::Dynamic);
+        // The sum of none is −0.
+        0.0 + dynamic.map(|b| b.mass).sum::<f64>()
     }
     /// Whether the joints form a tree, so that their coordinates are independent.
     pub fn is_tree(&self) -> bool {

@@ -254,6 +254,12 @@ fn frames_and_parents_place_the_child() {
 }
 
 #[test]
+fn what_stands_still_has_no_mass() {
+    let model = Model::new(Parts::default()).unwrap();
+    assert!(model.total_mass() == 0.0 && model.total_mass().is_sign_positive());
+}
+
+#[test]
 fn chains_start_as_asked() {
     let towards = [
         (Start::Hanging, DVec3::NEG_Y),
