@@ -4,6 +4,7 @@ import copy
 import importlib
 import inspect
 import pickle
+import re
 import subprocess
 import sys
 import warnings
@@ -570,6 +571,14 @@ def test_actions_that_are_not_finite_are_refused(robot):
     for dtype in (object, complex):
         with pytest.raises(ValueError, match=f"actions are of dtype {np.dtype(dtype)}: give real numbers"):
             envs.step(actions.astype(dtype))
+
+
+def test_the_shape_of_an_action_is_told_as_the_space_has_it():
+    env = gymnasium.make("kinetarium/Hopper-v0", disable_env_checker=True)
+    env.reset(seed=0)
+    for action in (np.zeros(2), np.zeros((1, 3)), 0.0):
+        with pytest.raises(ValueError, match=re.escape(f"the shape {np.shape(action)}: it must be (3,)")):
+            env.step(action)
 
 
 @robots

@@ -53,9 +53,12 @@ class SingleTask(gymnasium.Env[Array, Array]):
         return self.task.observe()[0], _first(self.task.whereabouts(self.task.seen))
 
     def step(self, action: Array) -> tuple[Array, float, bool, bool, dict[str, Any]]:
-        """One action. Raises `ValueError` for actions that are not finite; those out of range act as its
-        ends."""
-        reward, failed, info = self.task.act(np.asarray(action)[None])
+        """One action. Raises `ValueError` for actions of the wrong shape or that are not finite; those out of range
+        act as its ends."""
+        action = np.asarray(action)
+        if action.shape != self.action_space.shape:
+            raise ValueError(f"the action has the shape {action.shape}: it must be {self.action_space.shape}")
+        reward, failed, info = self.task.act(action[None])
         return self.task.observe()[0], float(reward[0]), bool(failed[0]), False, _first(info)
 
     def render(self) -> Array | None:
