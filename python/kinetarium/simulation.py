@@ -120,7 +120,7 @@ class Event:
     world: int
     """Which world."""
     time: float
-    """End [s] of the substep in which it happened."""
+    """End [s] of the substep in which it happened; sensors are as shapes lay at its beginning."""
     kind: EventKind
     """What."""
     details: dict[str, Any] = field(default_factory=dict)

@@ -14,7 +14,7 @@ use std::collections::{BTreeMap, BTreeSet};
 pub struct Event {
     /// Which world.
     pub world: usize,
-    /// End [s] of the substep in which it happened.
+    /// End [s] of the substep in which it happened; sensors are as shapes lay at its beginning.
     pub time: f64,
     /// What.
     pub kind: EventKind,
@@ -42,12 +42,13 @@ pub enum EventKind {
         /// The shapes; the second one moves.
         shapes: [ShapeId; 2],
     },
-    /// Two shapes overlap, of which one or both are sensors, and did not in the substep before.
+    /// Two shapes overlap at the beginning of the substep, of which one or both are sensors, and did not at that of the
+    /// substep before.
     SensorBegins {
         /// The shapes; the second one moves.
         shapes: [ShapeId; 2],
     },
-    /// Two shapes overlap no more, of which one or both are sensors.
+    /// Two shapes overlap no more at the beginning of the substep, of which one or both are sensors.
     SensorEnds {
         /// The shapes; the second one moves.
         shapes: [ShapeId; 2],
