@@ -714,7 +714,7 @@ class Simulation(Strict):
         """Frees the worlds now rather than with the object; later calls raise `ClosedError`."""
         if not self._worlds.closed:
             self._worlds.close()
-            if self._view is not None and not self._worlds.forked:
+            if self._view is not None:
                 self._view.close()
 
     def __enter__(self) -> Simulation:

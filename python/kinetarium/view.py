@@ -36,7 +36,7 @@ class View:
 
     @property
     def is_open(self) -> bool:
-        """Whether the page is still served."""
+        """Whether the page is still served, by this process: to one that was forked it is closed."""
         return self._viewer.is_open
 
     def dress(self, bodies: str | Sequence[str] | None, skin: Wearable, *, fitted: bool = True) -> None:
@@ -65,7 +65,7 @@ class View:
         self._viewer.dress(names, Skin.of(skin, fitted=fitted)._skin)
 
     def close(self) -> None:
-        """Stops serving."""
+        """Stops serving; in a process that was forked it does nothing."""
         self._viewer.close()
 
     def _check(self, address: str | None, token: str | None) -> None:

@@ -1,6 +1,7 @@
 """The page, pictures, plots and the program, as Python starts them."""
 
 import json
+import os
 import socket
 import subprocess
 import sys
@@ -43,6 +44,41 @@ def test_a_page_is_served_until_it_is_closed(capsys):
     again = sim.view(browser=False)
     sim.close()
     assert not again.is_open
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are not forked here")
+def test_a_forked_process_leaves_the_page_alone():
+    program = """
+import os, pytest, sys, urllib.request
+import kinetarium as kn
+from kinetarium.errors import ForkedError, ViewerError
+
+sim = kn.Simulation(kn.examples.n_pendula(2))
+view = sim.view(browser=False)
+
+def use():
+    assert not view.is_open
+    with pytest.raises(ForkedError):
+        sim.view(browser=False)
+    with pytest.raises(ViewerError):
+        view.dress(None, "plain")
+
+def drop():
+    global sim, view
+    del sim, view
+
+for do in use, lambda: view.close(), lambda: sim.close(), drop, sys.exit:
+    child = os.fork()
+    if child == 0:
+        do()
+        sys.exit()
+    assert os.waitpid(child, 0)[1] == 0, do
+with urllib.request.urlopen(view.url, timeout=5) as page:
+    print(view.is_open, b"<html" in page.read())
+"""
+    command = [sys.executable, "-W", "ignore::DeprecationWarning", "-c", program]
+    ran = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    assert ran.stderr == "" and ran.stdout.split()[1:] == ["True", "True"], ran.stderr
 
 
 def test_an_open_page_stays_at_its_address():

@@ -8,10 +8,12 @@ use std::net::{Ipv4Addr, SocketAddr};
 use std::sync::Arc;
 use std::sync::mpsc::SyncSender;
 use std::thread::JoinHandle;
+use std::{mem, process};
 
 /// Pages that watch and steer a program's simulation, until this is closed or dropped, or the simulation is.
 ///
-/// Whoever closes it waits until the session has let go of the simulation, so must not hold it. Pages are told.
+/// Whoever closes it waits until the session has let go of the simulation, so must not hold it. Pages are told. In a process
+/// that was forked it is closed, and letting go of it leaves the page to the process that serves it.
 #[derive(Debug)]
 pub struct Viewer {
     address: SocketAddr,
@@ -20,6 +22,8 @@ pub struct Viewer {
     wardrobe: Arc<Wardrobe>,
     /// Of the session, and of what answers pages, which ends after the session.
     threads: Vec<JoinHandle<()>>,
+    /// Which process has the threads.
+    process: u32,
 }
 
 /// Shows a simulation that the program goes on stepping: at `address`, or at any free port of this machine that
@@ -80,6 +84,7 @@ impl Viewer {
             said,
             wardrobe,
             threads: threads.into(),
+            process: process::id(),
         }
     }
     /// Where it listens.
@@ -93,7 +98,11 @@ impl Viewer {
     /// Whether pages are still answered: false soon after the simulation is dropped.
     pub fn is_open(&self) -> bool {
         let answering = self.threads.last();
-        answering.is_some_and(|answering| !answering.is_finished())
+        self.has_threads() && answering.is_some_and(|answering| !answering.is_finished())
+    }
+    /// Whether its threads are in this process, which has none of them where it was forked.
+    fn has_threads(&self) -> bool {
+        self.process == process::id()
     }
     /// Has some bodies wear a skin on all pages, by their names, until they are dressed again. The physics does not know.
     ///
@@ -135,9 +144,14 @@ impl Viewer {
 
 impl Drop for Viewer {
     fn drop(&mut self) {
+        let threads = mem::take(&mut self.threads);
+        if !self.has_threads() {
+            // They stayed behind, and can be neither told, nor joined, nor detached.
+            return mem::forget(threads);
+        }
         // Where nobody listens any more, it has ended.
         let _ = self.said.send(Said::End);
-        for thread in self.threads.drain(..) {
+        for thread in threads {
             // A thread that panicked has said so itself.
             let _ = thread.join();
         }
