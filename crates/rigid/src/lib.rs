@@ -12,6 +12,7 @@ mod contacts;
 pub mod featherstone;
 mod gauges;
 mod gyroscopic;
+mod implicitness;
 pub mod impulse;
 mod input;
 mod instrument;

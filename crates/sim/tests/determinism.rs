@@ -533,11 +533,11 @@ fn trajectories_have_the_recorded_bits() {
 #[cfg(all(target_arch = "x86_64", target_os = "linux", target_env = "gnu"))]
 const GOLDEN: [[[u64; 2]; 5]; 2] = [
     [
-        [0xae58_c8ab_537a_fd2f, 0x9810_e4a1_f209_f766],
+        [0xfd73_9877_a5d8_7182, 0xe1a9_68c3_0b90_d1b0],
         [0x4926_917d_b422_4958, 0x2026_8b3d_5ded_1474],
         [0x9db9_dafd_106d_d880, 0x0f98_db08_54ba_f050],
         [0x6062_6cf5_87fc_594c, 0xc3b5_e2f6_77d7_dcde],
-        [0x4e4e_d4ed_2e2c_ca52, 0x7941_c3cd_698f_7cc1],
+        [0x5c1a_dff0_9b09_f79c, 0x3c01_5b5c_eb6e_c44a],
     ],
     [
         [0x5199_baa6_f627_3aa2, 0x01c1_5bc6_bea1_4176],
@@ -551,7 +551,7 @@ const GOLDEN: [[[u64; 2]; 5]; 2] = [
 /// For the heap: of each method that lets bodies touch, f32 and f64.
 #[cfg(all(target_arch = "x86_64", target_os = "linux", target_env = "gnu"))]
 const GOLDEN_HEAP: [[u64; 2]; 3] = [
-    [0xc083_daa7_88a8_8e89, 0xe67c_9239_95b1_7d40],
+    [0xbbfe_a981_61f5_c421, 0x9fab_6a63_700f_7d41],
     [0x17a1_a5af_08e9_dc72, 0x76fe_4ecb_7294_c4aa],
     [0xd41e_7e23_be0c_bd6e, 0x4b91_9fbe_e8b3_5610],
 ];
@@ -559,6 +559,6 @@ const GOLDEN_HEAP: [[u64; 2]; 3] = [
 /// For the humanoid that struggles on the ground, by `featherstone` and by `xpbd`, f32 and f64.
 #[cfg(all(target_arch = "x86_64", target_os = "linux", target_env = "gnu"))]
 const GOLDEN_HUMANOID: [[u64; 2]; 2] = [
-    [0x0895_6348_cc1d_cc04, 0x124a_6153_1c86_d941],
-    [0x8793_7ea7_1527_d860, 0x191f_2080_d012_0baa],
+    [0x9932_022e_4bad_78fa, 0xd294_eb07_4a91_616a],
+    [0x0060_b59b_1103_3824, 0x1076_3940_21a9_1ea9],
 ];

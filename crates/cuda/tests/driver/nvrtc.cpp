@@ -169,8 +169,8 @@ static std::string complete(const std::string& source) {
     return text.str();
 }
 
-// The library of what has been compiled before, by command and text: most tests of piles take the same kernels. Kept as bytes, as each
-// module has static variables of its own, and no file remains when a program ends.
+// The library of what has been compiled before, by command and text: most tests of piles take the same kernels. Kept as
+// bytes, as each module has static variables of its own, and no file remains when a program ends.
 static std::mutex before_lock;
 static std::map<std::string, std::string> before;
 

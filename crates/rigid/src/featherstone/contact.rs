@@ -275,7 +275,7 @@ fn approach<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R) {
     let gained = -(n.dot(gravity) * h);
     let (target, c) = impedance(k, t, pair, distance, [speed, gained], borne, h);
     let reaches = u0_n.lt(M::R::lit(TOUCHING).fma(rate(k, t), target));
-    let on = M::R::select(near & ((known & pressed) | (!known & reaches)), one, zero);
+    let on = M::R::select(near & ((known & pressed) | reaches), one, zero);
     k.store_vec3(t.load, s, load::VELOCITY_0, u0);
     k.write(t.load, s, load::TARGET, [target, c]);
     let grip = M::R::select(known, k.load(t.grip, s, 0), zero);

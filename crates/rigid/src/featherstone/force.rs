@@ -1,16 +1,16 @@
 //! Forces along degrees of freedom, linearised in the step.
 //!
-//! Each is a spring and damper with target: τ = −k (q − q₀) − d (q̇ − w₀). At the
-//! end of a step of length h, with q̇' = q̇ + h q̈ and q' = q + h q̇', it is
+//! Each is a spring and damper with target: τ = −k (q − q₀) − d (q̇ − w₀). With the speed q̇' = q̇ + h q̈ at the end of a
+//! step of length h, and the place q + Θ h q̇' on the way there, it is
 //!
 //! ```text
-//! τ' = −k (q + h q̇ − q₀) − d (q̇ − w₀) − (h² k + h d) q̈
+//! τ' = −k (q + Θ h q̇ − q₀) − d (q̇ − w₀) − (Θ h² k + h d) q̈
 //! ```
 //!
 //! The first two terms go into τ, the factor of q̈ into the joint's diagonal D
-//! of the articulated-body algorithm, where it keeps any stiffness stable. With
-//! h = 0 the law is explicit. (Baraff & Witkin 1998, eq. 6, along one coordinate.)
-//! Source of the diagonal form: Featherstone 2008, §7.3, with D + h d + h² k for D.
+//! of the articulated-body algorithm, where it keeps any stiffness stable; how much of it that takes is
+//! [`implicitness`](crate::implicitness). With h = 0 the law is explicit. (Baraff & Witkin 1998, eq. 6, along one
+//! coordinate, for Θ = 1.) Source of the diagonal form: Featherstone 2008, §7.3, with D + h d + Θ h² k for D.
 //!
 //! Only what a model uses has a row, so that a passive chain pays for nothing.
 
@@ -48,21 +48,21 @@ pub(crate) struct ForceTables {
     balls: usize,
     motors: usize,
     servos: usize,
-    /// Damping, stiffness, rest.
+    /// Damping, stiffness, rest, Θ.
     /// One row for each of the degrees of freedom from `passive_begin` to `passive_end`.
-    passive: Table<Parameter, 3>,
+    passive: Table<Parameter, 4>,
     passive_links: Links,
     /// Rows of `limit`: one for each degree of freedom, or none where nothing is passive.
     pub(crate) limits: usize,
     pub(crate) limit: Table<Parameter, 6>,
     pub(crate) limit_links: Links,
-    /// Stiffness, damping, effort limit, control time.
-    drive: Table<Parameter, 4>,
+    /// Stiffness, damping, effort limit, control time, Θ.
+    drive: Table<Parameter, 5>,
     drive_links: Links<3>,
     /// The target as smoothed so far.
     drive_target: Table<State>,
     /// As `drive`, of a ball joint.
-    ball: Table<Parameter, 4>,
+    ball: Table<Parameter, 5>,
     ball_links: Links<2>,
     ball_target: Table<State, 4>,
     /// Rows of `friction`: one for each degree of freedom, or none where nothing rubs.
@@ -71,9 +71,9 @@ pub(crate) struct ForceTables {
     /// Force per control, control range 2. Links: degree of freedom, actuator.
     motor: Table<Parameter, 3>,
     motor_links: Links<2>,
-    /// Gear, gain, bias 3, control range 2, force range 2. Links: coordinate, degree of freedom,
+    /// Gear, gain, bias 3, control range 2, force range 2, Θ. Links: coordinate, degree of freedom,
     /// actuator.
-    servo: Table<Parameter, 9>,
+    servo: Table<Parameter, 10>,
     servo_links: Links<3>,
     armature: Table<Parameter>,
 }
@@ -214,10 +214,10 @@ impl ForceTables {
         }
     }
 
-    /// Writes a model's force laws, for steps of length `h` [s].
-    pub(crate) fn fill(&self, model: &Model, h: f64, f: &mut Filler) {
-        self.fill_dofs(model, h, f);
-        self.fill_axes(model, f);
+    /// Writes a model's force laws, for steps of length `h` [s], with Θ of each degree of freedom.
+    pub(crate) fn fill(&self, model: &Model, h: f64, implicit: &[f64], f: &mut Filler) {
+        self.fill_dofs(model, h, implicit, f);
+        self.fill_axes(model, implicit, f);
         for (row, (q, v, dofs)) in balls(model).filter(|b| b.2.iter().any(driven)).enumerate() {
             f.link(self.ball_links, row, 0, q);
             f.link(self.ball_links, row, 1, v);
@@ -227,13 +227,14 @@ impl ForceTables {
                 d.damping,
                 bounded(d.effort_limit),
                 d.control_time,
+                implicit[v],
             ];
             f.numbers(self.ball, row, 0, &x);
         }
-        self.fill_actuators(model, f);
+        self.fill_actuators(model, implicit, f);
     }
 
-    fn fill_actuators(&self, model: &Model, f: &mut Filler) {
+    fn fill_actuators(&self, model: &Model, implicit: &[f64], f: &mut Filler) {
         let (mut motor, mut servo) = (0, 0);
         for (row, a) in model.actuators.iter().enumerate() {
             let (q, v) = (model.coordinate_range(a.joint), model.dof_range(a.joint));
@@ -251,12 +252,13 @@ impl ForceTables {
                 f.link(self.servo_links, servo, 1, v.start + a.dof);
                 f.link(self.servo_links, servo, 2, row);
                 f.numbers(self.servo, servo, 0, &numbers);
+                f.number(self.servo, servo, numbers.len(), implicit[v.start + a.dof]);
                 servo += 1;
             }
         }
     }
 
-    fn fill_dofs(&self, model: &Model, h: f64, f: &mut Filler) {
+    fn fill_dofs(&self, model: &Model, h: f64, implicit: &[f64], f: &mut Filler) {
         for (i, joint) in model.joints.iter().enumerate() {
             if joint.closes_loop {
                 continue;
@@ -270,7 +272,7 @@ impl ForceTables {
                 if (self.passive_begin..self.passive_end).contains(&v) {
                     let row = v - self.passive_begin;
                     f.link(self.passive_links, row, 0, coordinate);
-                    let numbers = [dof.damping, dof.stiffness, dof.rest];
+                    let numbers = [dof.damping, dof.stiffness, dof.rest, implicit[v]];
                     f.numbers(self.passive, row, 0, &numbers);
                 }
                 if self.limits > 0 {
@@ -284,7 +286,7 @@ impl ForceTables {
         }
     }
 
-    fn fill_axes(&self, model: &Model, f: &mut Filler) {
+    fn fill_axes(&self, model: &Model, implicit: &[f64], f: &mut Filler) {
         let mut drive = 0;
         for (q, v, dof, wraps) in axes(model) {
             if driven(dof) {
@@ -297,6 +299,7 @@ impl ForceTables {
                     d.damping,
                     bounded(d.effort_limit),
                     d.control_time,
+                    implicit[v],
                 ];
                 f.numbers(self.drive, drive, 0, &x);
                 drive += 1;
@@ -382,10 +385,11 @@ fn passives<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
         let v = i.offset(f.passive_begin);
         let q = k.load(t.position, k.link(f.passive_links, i, 0), 0);
         let speed = k.load(t.velocity, v, 0);
-        let [d, s, rest] = k.read(f.passive, i, 0);
-        let stretch = h.fma(speed, q - rest);
+        let [d, s, rest, theta] = k.read(f.passive, i, 0);
+        let ahead = theta * h;
+        let stretch = ahead.fma(speed, q - rest);
         let tau = k.load(t.input.force, v, 0) - s.fma(stretch, d * speed);
-        let implicit = h.fma(h.fma(s, d), f.armature(k, v));
+        let implicit = h.fma(ahead.fma(s, d), f.armature(k, v));
         k.write(t.dof, v, dof::TAU, [tau, implicit]);
     }
 }
@@ -412,9 +416,10 @@ fn drives<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
         if let Some(_branch) = k.when(turns) {
             error.write(wrap(error.read()));
         }
-        let error = h.fnma(speed, error.read());
+        let ahead = k.load(f.drive, i, 4) * h;
+        let error = ahead.fnma(speed, error.read());
         let tau = s * error + d * (k.load(t.input.target_velocity, v, 0) - speed);
-        let (tau, implicit) = limited(tau, h * h.fma(s, d), k.load(f.drive, i, 2));
+        let (tau, implicit) = limited(tau, h * ahead.fma(s, d), k.load(f.drive, i, 2));
         add(k, t, v, tau, implicit);
     }
 }
@@ -459,13 +464,14 @@ fn ball_drives<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
         let now = k.quat(t.position, q, 0);
         let speed = k.vec3(t.velocity, v, 0);
         let error = (now.conjugate() * k.quat(f.ball_target, i, 0)).log();
-        let error = error - speed * h;
+        let ahead = k.load(f.ball, i, 4) * h;
+        let error = error - speed * ahead;
         let tau = error * s + (k.vec3(t.input.target_velocity, v, 0) - speed) * d;
         let effort = k.load(f.ball, i, 2);
         let size = tau.length();
         let free = size.le(effort);
         let tau = tau * M::R::select(free, M::R::one(), effort / size.max(M::R::lit(1e-12)));
-        let implicit = M::R::select(free, h * h.fma(s, d), M::R::zero());
+        let implicit = M::R::select(free, h * ahead.fma(s, d), M::R::zero());
         add(k, t, v, tau.x, implicit);
         add(k, t, v.offset(1), tau.y, implicit);
         add(k, t, v.offset(2), tau.z, implicit);
@@ -491,12 +497,24 @@ fn servos<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
         let (q, v) = (k.link(f.servo_links, i, 0), k.link(f.servo_links, i, 1));
         let (q, speed) = (k.load(t.position, q, 0), k.load(t.velocity, v, 0));
         let control = k.load(t.input.control, k.link(f.servo_links, i, 2), 0);
-        let [gear, gain, b0, b1, b2, control_low, control_high, low, high] = k.read(f.servo, i, 0);
+        let [
+            gear,
+            gain,
+            b0,
+            b1,
+            b2,
+            control_low,
+            control_high,
+            low,
+            high,
+            theta,
+        ] = k.read(f.servo, i, 0);
+        let ahead = theta * h;
         let control = control.clamp(control_low, control_high);
         let (s, d) = (-b1, -b2);
-        let force = gain.fma(control, b0) - gear * (s * h.fma(speed, q) + d * speed);
+        let force = gain.fma(control, b0) - gear * (s * ahead.fma(speed, q) + d * speed);
         let free = force.ge(low) & force.le(high);
-        let implicit = M::R::select(free, gear * gear * (h * h.fma(s, d)), M::R::zero());
+        let implicit = M::R::select(free, gear * gear * (h * ahead.fma(s, d)), M::R::zero());
         add(k, t, v, gear * force.clamp(low, high), implicit);
     }
 }

@@ -31,7 +31,7 @@ mod kinematics;
 mod limit;
 mod locked;
 mod report;
-mod tables;
+pub(crate) mod tables;
 mod tied;
 mod turning;
 mod wheel;

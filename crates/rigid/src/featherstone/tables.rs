@@ -22,6 +22,7 @@ use super::tied::{Bulk, Tied};
 use super::turning::{turn, turn_impulse, turn_law, turn_law_over};
 use super::wheel;
 use crate::contacts::{ContactPlan, ContactTables, Kept, Seat as Carrier, pair_field};
+use crate::implicitness::implicitness;
 use crate::lists::Lists;
 use crate::locks::Locks;
 use crate::output::OutputTables;
@@ -375,26 +376,28 @@ const WORLD: usize = 0;
 
 /// One of the bodies that a model's joints separate.
 #[derive(Clone, Debug)]
-pub(super) struct Node {
+pub(crate) struct Node {
     pub parent: Option<usize>,
     tree: usize,
-    place: Pose,
-    motions: Vec<Motion>,
+    /// In the parent's frame, or the world's, where all coordinates are at their reference.
+    pub place: Pose,
+    pub motions: Vec<Motion>,
     /// Whether its contacts go along: a root on a free joint, or a wheel.
     rolls: bool,
     /// A root on a free joint along which nothing acts but forces.
     floats: bool,
     pub dof: usize,
-    mass: f64,
-    center: DVec3,
-    inertia: DMat3,
+    pub mass: f64,
+    pub center: DVec3,
+    /// About the centre, node axes.
+    pub inertia: DMat3,
 }
 
 /// One elementary motion.
 #[derive(Clone, Copy, Debug)]
-struct Motion {
-    kind: usize,
-    axis: DVec3,
+pub(crate) struct Motion {
+    pub kind: usize,
+    pub axis: DVec3,
     reference: f64,
     coordinate: usize,
     dof: usize,
@@ -427,7 +430,7 @@ impl Node {
 }
 
 /// m (d·d 1 − d dᵀ).
-fn steiner(m: f64, d: DVec3) -> DMat3 {
+pub(crate) fn steiner(m: f64, d: DVec3) -> DMat3 {
     let outer = DMat3::from_cols(d * d.x, d * d.y, d * d.z);
     (DMat3::from_diagonal(DVec3::splat(d.length_squared())) - outer) * m
 }
@@ -440,7 +443,7 @@ struct Seat {
 }
 
 /// The bodies of a model sorted into nodes.
-pub(super) struct Forest {
+pub(crate) struct Forest {
     pub nodes: Vec<Node>,
     pub bases: Vec<Pose>,
     seats: Vec<Seat>,
@@ -464,7 +467,7 @@ fn along_limbs(forest: &Forest, children: &[Vec<usize>]) -> Vec<usize> {
 }
 
 impl Forest {
-    fn new(model: &Model) -> Self {
+    pub fn new(model: &Model) -> Self {
         let world = Seat {
             node: None,
             place: Pose::IDENTITY,
@@ -919,7 +922,8 @@ impl Tables {
         let mut filler = Filler::new(tables.parameter_length, tables.link_length);
         tables.fill_forest(&forest, &mut filler);
         tables.fill_bodies(model, &forest, &mut filler);
-        tables.forces.fill(model, settings.substep(), &mut filler);
+        let implicit = implicitness(model, &forest, h);
+        tables.forces.fill(model, h, &implicit, &mut filler);
         tables.contacts.fill(model, &plan, NAME, &mut filler)?;
         tables.fill_step(settings, &mut filler);
         tables.fill_couples(&couples, &mut filler);

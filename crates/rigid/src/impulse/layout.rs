@@ -293,7 +293,8 @@ impl Impulse {
             f.vec3(self.mass, row, mass::INVERSE_MOMENTS, moments.recip());
             f.pose(self.frame, i, 0, own.inverse());
         }
-        self.ties.fill(model, &inner_frames(model), &mut f);
+        let [h, _] = self.lengths_of_steps();
+        self.ties.fill(model, &inner_frames(model), h, &mut f);
         for (row, collider) in self.shapes.iter().enumerate() {
             let shape = &model.shapes[collider.shape.0];
             let solid = Solid::new(shape, NAME)?;

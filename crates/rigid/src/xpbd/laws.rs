@@ -10,6 +10,9 @@
 //!
 //! which is XPBD with compliance 1/k and damping d (Macklin et al. 2016, eqs. 18
 //! and 26), multiplied through by k so that a missing spring divides by nothing.
+//! Springs that substeps resolve are taken before their end, at θ + Θ (h θ̇ + q), with Θ by
+//! [`implicitness`](crate::implicitness): they get a damper less, d − (1 − Θ) h k, which w₀ has no part in.
+//!
 //! A pass solves λ₀ and g together with the locks. A law that it takes beyond a
 //! bound is held there, λ₀ = bound, g = 0, and the pass is done again, until the
 //! same laws are held as before: a semi-smooth Newton method (Hintermüller, Ito,
@@ -145,10 +148,10 @@ pub(crate) struct LawTables {
     ball_links: Links<3>,
     /// Axis rows of each coupling.
     coupling_links: Links<2>,
-    /// Damping, stiffness, rest.
-    spring: Table<Parameter, 3>,
-    /// Stiffness, damping, effort limit, control time, 1 if the coordinate turns without end.
-    drive: Table<Parameter, 5>,
+    /// Damping, stiffness, rest, Θ.
+    spring: Table<Parameter, 4>,
+    /// Stiffness, damping, effort limit, control time, 1 if the coordinate turns without end, Θ.
+    drive: Table<Parameter, 6>,
     drive_target: Table<State>,
     /// Lower, upper, stiffness, damping, inertia.
     limit: Table<Parameter, 5>,
@@ -156,10 +159,10 @@ pub(crate) struct LawTables {
     friction: Table<Parameter>,
     armature: Table<Parameter>,
     armature_speed: Table<State>,
-    /// Gear, gain, bias 3, control range 2, force range 2.
-    motor: Table<Parameter, 9>,
-    /// Stiffness, damping, effort limit, control time, passive damping.
-    ball: Table<Parameter, 5>,
+    /// Gear, gain, bias 3, control range 2, force range 2, Θ.
+    motor: Table<Parameter, 10>,
+    /// Stiffness, damping, effort limit, control time, passive damping, Θ.
+    ball: Table<Parameter, 6>,
     ball_target: Table<State, 4>,
     /// Ratio, offset.
     coupling: Table<Parameter, 2>,
@@ -247,9 +250,11 @@ impl LawTables {
         }
     }
 
+    /// Writes a model's laws, with Θ of each degree of freedom.
     pub(crate) fn fill(
         &self,
         model: &Model,
+        implicit: &[f64],
         axis_of: &[Option<usize>],
         ball_motion: impl Fn(usize) -> usize,
         f: &mut Filler,
@@ -271,7 +276,8 @@ impl LawTables {
         for (v, dof, turns) in axes(model) {
             if dof.damping > 0.0 || dof.stiffness > 0.0 {
                 let i = row(0, v, f);
-                f.numbers(self.spring, i, 0, &[dof.damping, dof.stiffness, dof.rest]);
+                let x = [dof.damping, dof.stiffness, dof.rest, implicit[v]];
+                f.numbers(self.spring, i, 0, &x);
             }
             if driven(dof) {
                 let (i, d) = (row(1, v, f), &dof.drive);
@@ -282,6 +288,7 @@ impl LawTables {
                     bounded(d.effort_limit),
                     d.control_time,
                     turns,
+                    implicit[v],
                 ];
                 f.numbers(self.drive, i, 0, &x);
             }
@@ -306,7 +313,9 @@ impl LawTables {
         for (i, actuator) in model.actuators.iter().enumerate() {
             let v = model.dof_range(actuator.joint).start + actuator.dof;
             row(5, v, f);
-            f.numbers(self.motor, i, 0, &actuator_numbers(actuator));
+            let x = actuator_numbers(actuator);
+            f.numbers(self.motor, i, 0, &x);
+            f.number(self.motor, i, x.len(), implicit[v]);
         }
         for (i, (ball, joint, v, dofs)) in balls(model).enumerate() {
             f.link(self.ball_links, i, 0, joint);
@@ -319,6 +328,7 @@ impl LawTables {
                 bounded(d.effort_limit),
                 d.control_time,
                 passive,
+                implicit[v],
             ];
             f.numbers(self.ball, i, 0, &x);
         }
@@ -437,7 +447,8 @@ pub(crate) fn prepare<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
     let [springs, drives, limits, frictions, armatures, motors] = r.starts;
     let zero = M::R::zero();
     for i in k.count(r.springs) {
-        let [d, s, rest] = k.read(r.spring, i, 0);
+        let [d, s, rest, theta] = k.read(r.spring, i, 0);
+        let d = d - early(s, theta, h);
         write(k, t, i.offset(springs), [s, d, rest, zero, zero], UNBOUNDED);
     }
     for i in k.count(r.drives) {
@@ -466,12 +477,18 @@ pub(crate) fn prepare<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
         write(k, t, law, [zero, d, zero, speed, zero], UNBOUNDED);
     }
     for i in k.count(r.motors) {
-        motor(k, t, i, i.offset(motors));
+        motor(k, t, i, i.offset(motors), h);
     }
     for i in k.count(r.balls) {
         k.store_vec3(r.ball_law, i, ball_law::MULTIPLIER, Vec3::zero());
         k.store_vec3(r.ball_law, i, ball_law::DAMPED, Vec3::zero());
     }
+}
+
+/// (1 − Θ) h k: the damper that a spring would be besides if it were taken at the end of the substep.
+#[inline(always)]
+fn early<R: Real>(stiffness: R, theta: R, h: R) -> R {
+    (R::one() - theta) * h * stiffness
 }
 
 #[inline(always)]
@@ -498,7 +515,7 @@ fn drive<M: Machine>(k: &mut M, t: &Tables, i: M::I, law: M::I, h: M::R) {
     let r = &t.laws;
     let axis = k.link(r.law_links, law, 0);
     let v = k.link(r.law_links, law, 1);
-    let [s, d, effort, time, turns] = k.read(r.drive, i, 0);
+    let [s, d, effort, time, turns, theta] = k.read(r.drive, i, 0);
     let now = k.load(r.drive_target, i, 0);
     // Whole turns between value and target do not count where the axis turns without end.
     let turns = turns.gt(M::R::lit(0.5));
@@ -510,11 +527,12 @@ fn drive<M: Machine>(k: &mut M, t: &Tables, i: M::I, law: M::I, h: M::R) {
     let error = target - value;
     let rest = value + M::R::select(turns, wrap(error), error);
     let speed = k.load(t.input.target_velocity, v, 0);
+    let early = early(s, theta, h);
     store_law(
         k,
         t,
         law,
-        [s, d, rest, speed, M::R::zero()],
+        [s, d - early, rest, speed, early * speed],
         -effort,
         effort,
     );
@@ -546,13 +564,14 @@ fn limit<M: Machine>(k: &mut M, t: &Tables, i: M::I, law: M::I, h: M::R) {
 }
 
 #[inline(always)]
-fn motor<M: Machine>(k: &mut M, t: &Tables, i: M::I, law: M::I) {
-    let [gear, gain, b0, b1, b2, low, high, least, most] = k.read(t.laws.motor, i, 0);
+fn motor<M: Machine>(k: &mut M, t: &Tables, i: M::I, law: M::I, h: M::R) {
+    let [gear, gain, b0, b1, b2, low, high, least, most, theta] = k.read(t.laws.motor, i, 0);
     let control = k.load(t.input.control, i, 0).clamp(low, high);
     let force = gear * gain.fma(control, b0);
     let gear2 = gear.squared();
     // A bias −k l − d l̇ with l = gear q is a spring and a damper of the coordinate.
     let (s, d) = (-(b1 * gear2), -(b2 * gear2));
+    let d = d - early(s, theta, h);
     let (a, b) = (gear * least, gear * most);
     store_law(
         k,
@@ -605,13 +624,13 @@ pub(crate) fn lead<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
 fn lead_ball<M: Machine>(k: &mut M, t: &Tables, i: M::I, h: M::R) {
     let r = &t.laws;
     let (j, v) = (k.link(r.ball_links, i, 0), k.link(r.ball_links, i, 1));
-    let [s, d, _, _, passive] = k.read(r.ball, i, 0);
+    let [s, d, _, _, passive, theta] = k.read(r.ball, i, 0);
     let ends = Ends::load(k, t, j);
     let (qa, qb) = ends.frames(k, t, j);
     let e = qb.rotate((k.quat(r.ball_target, i, 0).conjugate() * (qa.conjugate() * qb)).log());
     let rate = ends.b.twist.angular - ends.a.twist.angular;
     let speed = qb.rotate(k.vec3(t.input.target_velocity, v, 0));
-    let wanted = -(e * s) - (rate - speed) * d;
+    let wanted = rate * early(s, theta, h) - e * s - (rate - speed) * d;
     let lead = wanted * h.squared() - k.vec3(r.ball_law, i, ball_law::MULTIPLIER);
     k.store_vec3(r.ball_law, i, ball_law::LEAD, lead);
     let lead = -(rate * (passive * h.squared())) - k.vec3(r.ball_law, i, ball_law::DAMPED);
@@ -626,11 +645,11 @@ fn give<M: Machine>(k: &M, t: &Tables, law: M::I, h: M::R) -> M::R {
     h.squared().fma(s, h * d)
 }
 
-/// h² k + h d of a ball's drive, and h d of its damping.
+/// Θ h² k + h d of a ball's drive, and h d of its damping.
 #[inline(always)]
 fn ball_give<M: Machine>(k: &M, t: &Tables, i: M::I, h: M::R) -> [M::R; 2] {
-    let [s, d, _, _, passive] = k.read(t.laws.ball, i, 0);
-    [h.squared().fma(s, h * d), h * passive]
+    let [s, d, _, _, passive, theta] = k.read(t.laws.ball, i, 0);
+    [h * (theta * h).fma(s, d), h * passive]
 }
 
 /// Sums up what pulls along each motion. `fresh` is 1 in the first pass, in which forces act

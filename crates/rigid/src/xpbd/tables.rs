@@ -10,6 +10,8 @@ use super::laws::{self, LawTables};
 use super::seats::{Seats, jointed};
 use super::topology::closings;
 use crate::contacts::{ContactPlan, ContactTables, Kept};
+use crate::featherstone::tables::Forest;
+use crate::implicitness::implicitness;
 use crate::locks::{Locks, turns};
 use crate::output::{OutputTables, body};
 use crate::tables::{Filler, frame};
@@ -431,8 +433,9 @@ impl Tables {
         t.fill_joints(model, &groups, &own, &mut f);
         t.fill_tree(model, &groups, &own, &mut f);
         let axis_of = t.fill_axes(model, &groups, &mut f);
-        t.laws
-            .fill(model, &axis_of, |ball| t.ball_motion(ball), &mut f);
+        let implicit = implicitness(model, &Forest::new(model), settings.substep());
+        let motion = |ball| t.ball_motion(ball);
+        t.laws.fill(model, &implicit, &axis_of, motion, &mut f);
         f.vec3(t.global, 0, global::GRAVITY, model.gravity);
         Ok((t, f, plan.shapes()))
     }

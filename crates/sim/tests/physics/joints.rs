@@ -20,11 +20,11 @@ fn rotation(turn: DVec3) -> [f64; 4] {
 
 /// A ball joint's target turns twice round an oblique axis, given as rotation vectors that jump from
 /// 180° to −180°. A drive k, d with velocity target zero follows a rate w with the constant lag
-/// d w/k; started in this motion it stays in it, across ±180° and all else, to rounding.
+/// (d/k − h) w, as its spring is that of before the step; started in this motion it stays in it, across ±180° and all else, to rounding.
 #[test]
 fn ball_joint_follows_a_target_across_180_degrees() {
     let (stiffness, damping, rate) = (500.0, 20.0, 1.0);
-    let lag = damping * rate / stiffness;
+    let lag = (damping / stiffness - H) * rate;
     let mut world = Builder::new("gimbal");
     world.gravity(DVec3::ZERO);
     let object = world.object("");
@@ -69,7 +69,8 @@ fn ball_joint_follows_a_target_across_180_degrees() {
 #[test]
 fn ball_joint_turns_the_short_way() {
     let (inertia, stiffness) = (0.3_f64, 120.0);
-    let damping = 2.0 * (stiffness * inertia).sqrt();
+    // Of steps with the spring of before and the damper of afterwards.
+    let damping = 2.0 * (stiffness * inertia).sqrt() + H * stiffness;
     let fastest = (stiffness / inertia).sqrt() * (-1.0_f64).exp() * PI;
     let mut world = Builder::new("gimbal");
     world.gravity(DVec3::ZERO);

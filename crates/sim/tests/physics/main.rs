@@ -15,6 +15,7 @@ mod joints;
 mod loops;
 mod order;
 mod reactions;
+mod swings;
 mod touching;
 mod two_way;
 mod xpbd;

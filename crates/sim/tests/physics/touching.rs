@@ -604,3 +604,31 @@ fn a_box_that_stands_exactly_slides_straight() {
         assert!(turn.abs() < 1e-9, "{turns:?}");
     }
 }
+
+/// What lands and slides on loses μ times the impulse that bears it, which is m g t in all once it lies: v − μ g t is left.
+/// Where a blow falls within a step changes what passes have to find, so boxes fall from many heights.
+#[test]
+fn what_lands_rubs_as_it_slides() {
+    let (friction, speed, time) = (0.25, 3.0, 0.4);
+    let material = Material {
+        friction,
+        ..Material::default()
+    };
+    for solver in TREES {
+        let shares = (0..21).map(|i| {
+            let height = 0.2 + 5e-3 * f64::from(i);
+            let half = DVec3::splat(0.1);
+            let shape = Shape::new(Geometry::Box { half }).with_material(material);
+            let model = on_plane(shape, Pose::at(DVec3::Y * height), DVec3::NEG_Y * G);
+            let mut sim = moving(&model, solver, 2e-3, &[speed, 0.0, 0.0, 0.0, 0.0, 0.0]);
+            sim.step(200);
+            (speed - sim.outputs().body_velocity(0, BODY).x) / (friction * G * time)
+        });
+        let shares: Vec<f64> = shares.collect();
+        let mean = shares.iter().sum::<f64>() / shares.len() as f64;
+        let least = shares.iter().copied().fold(f64::INFINITY, f64::min);
+        let most = shares.iter().copied().fold(0.0, f64::max);
+        println!("{solver:?}: {mean:.3} ({least:.3} to {most:.3})");
+        assert!(least > 0.9 && most < 1.1, "{solver:?}: {shares:.3?}");
+    }
+}

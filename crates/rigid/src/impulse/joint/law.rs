@@ -9,8 +9,9 @@
 //!
 //! of springs k and dampers d at the coordinate θ + h v, and of armatures m, which are dampers m/h of the
 //! speed that they had: what is geared to an axis keeps the rate that it has got here, whatever becomes of the bodies, or
-//! their axes, or its momentum would not be kept. With v₀ the rate without any, and r the response of the axis, the
-//! rate solves
+//! their axes, or its momentum would not be kept. Springs that small steps resolve are taken at θ + Θ h v, with Θ by
+//! [`implicitness`](crate::implicitness): their d is less by (1 − Θ) h k. With v₀ the rate without any, and r the response of
+//! the axis, the rate solves
 //!
 //! ```text
 //! g(v) = v − v₀ − r h F(v) = 0

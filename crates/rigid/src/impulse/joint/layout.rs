@@ -7,6 +7,7 @@ use super::tables::{LAWS, ROWS, joint};
 use super::tied::{Constants, sources};
 use crate::SolverError;
 use crate::check;
+use crate::implicitness::implicitness_of_free;
 use crate::locks::pace;
 use crate::output::reaction;
 use crate::tables::{Filler, actuator_numbers, ball_target, bounded, frame};
@@ -39,7 +40,9 @@ pub(super) mod dof {
     pub const LIMIT: usize = 6;
     /// Stiffness, damping, effort limit, control time.
     pub const DRIVE: usize = 11;
-    pub const WIDTH: usize = 15;
+    /// (1 − Θ) h [s]: see [`law`](super::super::law).
+    pub const EARLY: usize = 15;
+    pub const WIDTH: usize = 16;
 }
 
 /// Numbers that a joint carries from step to step: its fields from the targets to the sums.
@@ -150,8 +153,10 @@ impl Ties {
         Self::new(model, &bodies_and_rows(model).1, &mut 0, &mut 0)
     }
 
-    /// Writes the constants; `inner` is the model's frame in each body's own, or in the world.
-    pub fn fill(&self, model: &Model, inner: &[Pose], f: &mut Filler) {
+    /// Writes the constants, for small steps of length `h` [s]; `inner` is the model's frame in each body's own, or in the
+    /// world.
+    pub fn fill(&self, model: &Model, inner: &[Pose], h: f64, f: &mut Filler) {
+        let implicit = implicitness_of_free(model, h);
         for (i, tie) in self.list.iter().enumerate() {
             let joint = &model.joints[tie.joint.0];
             f.numbers(self.constants, i, 0, &tie.constants(joint, inner));
@@ -159,10 +164,12 @@ impl Ties {
             f.vec3(self.origins, i, 0, frame.position);
             let freedoms = tie.freedoms.iter().zip(tie.dofs_of(joint)).enumerate();
             for (row, (freedom, own)) in freedoms {
-                if let (Some(_), Some(own)) = (freedom, own) {
+                if let (Some(freedom), Some(own)) = (freedom, own) {
                     let reference = joint.axes.get(own).map_or(0.0, |axis| axis.reference);
                     let numbers = dof_numbers(&joint.dofs[own], reference);
                     f.numbers(self.dofs, ROWS * i + row, 0, &numbers);
+                    let early = (1.0 - implicit[freedom.dof]) * h;
+                    f.number(self.dofs, ROWS * i + row, dof::EARLY, early);
                 }
             }
         }
@@ -417,7 +424,7 @@ fn dof_numbers(d: &Dof, reference: f64) -> [f64; dof::WIDTH] {
     x[dof::LIMIT..dof::DRIVE].copy_from_slice(&limit);
     let effort = bounded(drive.effort_limit);
     let numbers = [drive.stiffness, drive.damping, effort, drive.control_time];
-    x[dof::DRIVE..].copy_from_slice(&numbers);
+    x[dof::DRIVE..dof::EARLY].copy_from_slice(&numbers);
     x
 }
 

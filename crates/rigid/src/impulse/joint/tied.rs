@@ -126,15 +126,16 @@ impl<T: Float> Constants<'_, T> {
         let reference = x[dof::REFERENCE];
         let stiffness = x[dof::STIFFNESS];
         let force = stiffness * (x[dof::REST] - reference);
+        let damping = x[dof::DAMPING] - x[dof::EARLY] * stiffness;
         let mut forces = Forces {
-            passive: [stiffness, x[dof::DAMPING], force, x[dof::ARMATURE]],
+            passive: [stiffness, damping, force, x[dof::ARMATURE]],
             laws: [[0.0; law::WIDTH]; LAWS],
             count: 0,
         };
         if freedom.driven {
             let [k, d, effort] = [0, 1, 2].map(|i| x[dof::DRIVE + i]);
             // Its rest follows the target.
-            forces.bounded([k, d, 0.0], [-effort, effort]);
+            forces.bounded([k, d - x[dof::EARLY] * k, 0.0], [-effort, effort]);
         }
         if freedom.limited {
             let [lower, upper, k, d, m] = [0, 1, 2, 3, 4].map(|i| x[dof::LIMIT + i]);
@@ -148,6 +149,7 @@ impl<T: Float> Constants<'_, T> {
         for &(i, limited) in &freedom.motors {
             let [gear, _, _, b1, b2, _, _, least, most] = self.motor(i);
             let (k, d) = (-b1 * gear * gear, -b2 * gear * gear);
+            let d = d - x[dof::EARLY] * k;
             if limited {
                 let (a, b) = (gear * least, gear * most);
                 forces.bounded([k, d, -reference], [a.min(b), a.max(b)]);

@@ -1,0 +1,405 @@
+//! How far a step looks ahead along springs.
+//!
+//! Springs, drives and position servos along a coordinate, of stiffness k together, are taken at q + Θ h q̇':
+//!
+//! ```text
+//! M (q̇' − q̇) = −h K (q + Θ h q̇')        q' = q + h q̇'
+//! ```
+//!
+//! Θ = 1 is implicit Euler: stable however stiff, but springs get dampers h k, and amplitudes fall by exp(−½ ω² h t).
+//! Θ = 0 is symplectic Euler, which keeps what swings. With q̇ eliminated,
+//!
+//! ```text
+//! (M − h² K (¼ − ½ Θ)) δ² + ½ h² K Θ (q⁺ − q⁻) + ¼ h² K (q⁺ + 2 q + q⁻) = 0        δ² = q⁺ − 2 q + q⁻
+//! ```
+//!
+//! which is a mass, a damper and a spring by the trapezoidal rule: stable where that mass is positive. K = Σ kⱼ eⱼ eⱼᵀ, so it
+//! is where Σ kⱼ h² (¼ − ½ Θⱼ) q̇ⱼ² < q̇ᵀ M q̇, for all q̇. Let mⱼ be the least inertia along coordinate j of the two
+//! bodies of its joint, if no others hung on them. Then mⱼ q̇ⱼ² is at most the sum of what both have in q̇ᵀ M q̇, and it is
+//! enough that for each body, over the coordinates of all its joints,
+//!
+//! ```text
+//! Σ sⱼ (¼ − ½ Θⱼ) ≤ ¼        sⱼ = h² kⱼ / mⱼ
+//! ```
+//!
+//! With Θⱼ = max(0, 1 − s/sⱼ) a coordinate takes at most ¼ min(sⱼ, s), and s is the level at which those of a body are
+//! ¼ together; of two bodies' levels the lower counts. A spring that steps resolve, ω h < 1, keeps what swings on it, and a
+//! stiff one comes to rest. Three quarters of M are left for what is not linear.
+
+use crate::featherstone::tables::{Forest, Node, is_rigid, motion, steiner};
+use glam::{DMat3, DQuat, DVec3};
+use model::{Axis, AxisKind, Body, BodyId, BodyKind, Joint, JointId, Model, Pose};
+use std::collections::HashMap;
+use std::f64::consts::TAU;
+use std::ops::Range;
+
+/// Where a turn is looked for the least inertia.
+const TURNS: u32 = 16;
+
+/// Θ of each degree of freedom in steps of `h` [s] of solvers in which joints do not give way; 1 in models whose joints do.
+pub(crate) fn implicitness(model: &Model, forest: &Forest, h: f64) -> Vec<f64> {
+    let mut springs = Springs::new(model, h);
+    if !is_rigid(model) {
+        return vec![1.0; springs.stiffness.len()];
+    }
+    for (n, node) in forest.nodes.iter().enumerate() {
+        let dofs = node.dof..node.dof + node.dofs();
+        if springs.any(dofs.clone()) {
+            let parent = node.parent.map(|p| &forest.nodes[p]);
+            let least = least_inertia(node, parent);
+            springs.join(dofs, &least, [Some(n), node.parent]);
+        }
+    }
+    springs.implicitness()
+}
+
+/// The same where joints give way for a moment, so that bodies answer as if no joint held them.
+pub(crate) fn implicitness_of_free(model: &Model, h: f64) -> Vec<f64> {
+    let mut springs = Springs::new(model, h);
+    let moves = |id: &BodyId| model.bodies[id.0].kind == BodyKind::Dynamic;
+    for (i, joint) in model.joints.iter().enumerate() {
+        let dofs = model.dof_range(JointId(i));
+        if springs.any(dofs.clone()) {
+            let ends = [Some(joint.child), joint.parent].map(|end| end.filter(moves));
+            let least = free_inertia(model, joint);
+            springs.join(dofs, &least, ends.map(|end| end.map(|id| id.0)));
+        }
+    }
+    springs.implicitness()
+}
+
+/// The springs of a model, and what they share.
+struct Springs {
+    h: f64,
+    /// k, and what motors reflect, of each degree of freedom.
+    stiffness: Vec<f64>,
+    armature: Vec<f64>,
+    /// s of each degree of freedom.
+    ratio: Vec<f64>,
+    /// The bodies of each.
+    bodies: Vec<[Option<usize>; 2]>,
+}
+
+impl Springs {
+    fn new(model: &Model, h: f64) -> Self {
+        let dofs = || {
+            model
+                .joints
+                .iter()
+                .filter(|j| !j.closes_loop)
+                .flat_map(|j| &j.dofs)
+        };
+        let mut stiffness: Vec<_> = dofs().map(|d| d.stiffness + d.drive.stiffness).collect();
+        for a in &model.actuators {
+            let pulls = (-a.bias[1]).max(0.0);
+            stiffness[model.dof_range(a.joint).start + a.dof] += a.gear * a.gear * pulls;
+        }
+        let count = stiffness.len();
+        Self {
+            h,
+            stiffness,
+            armature: dofs().map(|d| d.armature).collect(),
+            ratio: vec![0.0; count],
+            bodies: vec![[None; 2]; count],
+        }
+    }
+    fn any(&self, mut dofs: Range<usize>) -> bool {
+        dofs.any(|v| self.stiffness[v] > 0.0)
+    }
+    /// Tells the bodies of a joint, and the least inertia along its degrees of freedom, without armature.
+    fn join(&mut self, dofs: Range<usize>, least: &[f64], bodies: [Option<usize>; 2]) {
+        for (v, m) in dofs.zip(least).filter(|(v, _)| self.stiffness[*v] > 0.0) {
+            let known = if m.is_finite() { m.max(0.0) } else { 0.0 };
+            self.ratio[v] = self.h * self.h * self.stiffness[v] / (known + self.armature[v]);
+            self.bodies[v] = bodies;
+        }
+    }
+    fn implicitness(&self) -> Vec<f64> {
+        let mut shares: HashMap<usize, Vec<f64>> = HashMap::new();
+        for (ratio, bodies) in self.ratio.iter().zip(&self.bodies) {
+            for body in bodies.iter().flatten() {
+                shares.entry(*body).or_default().push(*ratio);
+            }
+        }
+        let levels: HashMap<_, _> = shares.into_iter().map(|(b, s)| (b, level(s))).collect();
+        let all = self.ratio.iter().zip(&self.bodies);
+        all.map(|(ratio, bodies)| {
+            let levels = bodies.iter().flatten().map(|body| levels[body]);
+            let level = levels.fold(f64::MAX, f64::min);
+            (1.0 - level / ratio).max(0.0)
+        })
+        .collect()
+    }
+}
+
+/// s for which Σ min(sⱼ, s) = 1; without end where no s is needed. What has no inertia, sⱼ = ∞, takes nothing: its Θ is 1.
+fn level(mut ratios: Vec<f64>) -> f64 {
+    ratios.retain(|s| s.is_finite());
+    ratios.sort_by(f64::total_cmp);
+    let mut left = 1.0;
+    for (i, s) in ratios.iter().enumerate() {
+        let others = (ratios.len() - i) as f64;
+        if s * others > left {
+            return left / others;
+        }
+        left -= s;
+    }
+    f64::MAX
+}
+
+/// mⱼ of a node's degrees of freedom [kg or kg·m²], without armature; zero where nothing is known.
+fn least_inertia(node: &Node, parent: Option<&Node>) -> Vec<f64> {
+    match node.motions[..] {
+        [m] if m.kind == motion::REVOLUTE => vec![about(node, parent, m.axis)],
+        [m] if m.kind == motion::PRISMATIC => vec![along(node, parent, m.axis)],
+        [m] if m.kind == motion::BALL => vec![1.0 / looseness(node, parent); 3],
+        _ => in_turn(node, parent),
+    }
+}
+
+/// The same for one hinge, in the worst of its turns.
+fn about(node: &Node, parent: Option<&Node>, axis: DVec3) -> f64 {
+    let speed = axis.cross(node.center);
+    (0..TURNS)
+        .map(|i| {
+            let turn = DQuat::from_axis_angle(axis, TAU * f64::from(i) / f64::from(TURNS));
+            inertia(node, parent, Pose::new(DVec3::ZERO, turn), axis, speed)
+        })
+        .fold(f64::INFINITY, f64::min)
+}
+
+/// The same for one slide, where both centres of mass are level: there the bodies give way most.
+fn along(node: &Node, parent: Option<&Node>, axis: DVec3) -> f64 {
+    let apart = parent.map_or(0.0, |p| {
+        let center = node.place.inverse().point(p.center);
+        axis.dot(center - node.center)
+    });
+    inertia(node, parent, Pose::at(axis * apart), DVec3::ZERO, axis)
+}
+
+/// The least twice the kinetic energy of a node with its parent, which moves as it likes, where the node turns by `spin` and
+/// its centre goes by `speed` as seen from the parent, and has moved by `moved`:
+///
+/// ```text
+/// ω·I ω + μ v² − L·J⁻¹ L      L = I ω + μ d × v,   J = I + I' + μ (d² 1 − d dᵀ)
+/// ```
+///
+/// with the reduced mass μ, and d from the parent's centre to the node's.
+fn inertia(node: &Node, parent: Option<&Node>, moved: Pose, spin: DVec3, speed: DVec3) -> f64 {
+    let own = node.inertia * spin;
+    let Some(parent) = parent else {
+        return spin.dot(own) + node.mass * speed.length_squared();
+    };
+    let seen = (node.place * moved).inverse();
+    let turn = DMat3::from_quat(seen.orientation);
+    let others = turn * parent.inertia * turn.transpose();
+    let reduced = node.mass * parent.mass / (node.mass + parent.mass);
+    let way = node.center - seen.point(parent.center);
+    let momentum = own + reduced * way.cross(speed);
+    let both = node.inertia + others + steiner(reduced, way);
+    spin.dot(own) + reduced * speed.length_squared() - momentum.dot(both.inverse() * momentum)
+}
+
+/// A bound of the same for several axes in turn: two turns keep their angle, and shifts that no turn of the joint's comes
+/// before keep theirs. With Gram's matrix G of their directions, q̇ⱼ² ≤ (G⁻¹)ⱼⱼ |Σ aᵢ q̇ᵢ|².
+fn in_turn(node: &Node, parent: Option<&Node>) -> Vec<f64> {
+    let of = |kind| {
+        let all = node.motions.iter().filter(move |m| m.kind == kind);
+        all.map(|m| m.axis).collect::<Vec<_>>()
+    };
+    let (turns, shifts) = (of(motion::REVOLUTE), of(motion::PRISMATIC));
+    let shifts_first = node.motions[..shifts.len()]
+        .iter()
+        .all(|m| m.kind == motion::PRISMATIC);
+    let bare = turns.len() + shifts.len() == node.motions.len();
+    if !bare || !shifts_first || (parent.is_some() && !shifts.is_empty()) {
+        return vec![0.0; node.dofs()];
+    }
+    let loose = looseness(node, parent);
+    let arm = if turns.is_empty() {
+        0.0
+    } else {
+        node.center.length_squared() * loose
+    };
+    let shift = spread(&shifts).map(|g| 1.0 / (g * (1.0 / node.mass + arm)));
+    let turn = match turns.len() {
+        3 => [0.0; 3],
+        _ => spread(&turns).map(|g| 1.0 / (g * loose)),
+    };
+    let shift = shift.into_iter().take(shifts.len());
+    shift.chain(turn.into_iter().take(turns.len())).collect()
+}
+
+/// Diagonal of the inverse of Gram's matrix of up to three directions.
+fn spread(axes: &[DVec3]) -> [f64; 3] {
+    let gram = |i: usize, j: usize| match (axes.get(i), axes.get(j)) {
+        (Some(a), Some(b)) => a.dot(*b),
+        _ => f64::from(u8::from(i == j)),
+    };
+    let column = |j| DVec3::new(gram(0, j), gram(1, j), gram(2, j));
+    let inverse = DMat3::from_cols(column(0), column(1), column(2)).inverse();
+    inverse.diagonal().to_array()
+}
+
+/// At least |ω|² of two bodies' turns against each other, for twice their kinetic energy of one.
+fn looseness(node: &Node, parent: Option<&Node>) -> f64 {
+    let free = |node: &Node| node.inertia.inverse().diagonal().element_sum();
+    let pinned = |node: &Node| node.inertia + steiner(node.mass, node.center);
+    match parent {
+        Some(parent) => free(node) + free(parent),
+        None if node.motions.iter().any(|m| m.kind == motion::PRISMATIC) => free(node),
+        None => pinned(node).inverse().diagonal().element_sum(),
+    }
+}
+
+/// mⱼ of a joint's degrees of freedom, without armature, where both bodies are free.
+fn free_inertia(model: &Model, joint: &Joint) -> Vec<f64> {
+    let body = |id: BodyId| Some(&model.bodies[id.0]).filter(|b| b.kind == BodyKind::Dynamic);
+    let child = body(joint.child).map(|b| (b, joint.child_frame));
+    let parent = joint.parent.and_then(body);
+    let parent = parent.map(|b| (b, joint.parent_frame));
+    let ends = || child.into_iter().chain(parent);
+    let loose: f64 = ends()
+        .map(|(b, _)| b.inertia.inverse().diagonal().element_sum())
+        .sum();
+    let response: Vec<f64> = match joint.axes[..] {
+        [axis] => vec![ends().map(|(b, frame)| response(b, frame, &axis)).sum()],
+        [] => vec![loose; joint.dofs.len()],
+        _ => {
+            let turns = joint.axes.iter().filter(|a| a.kind == AxisKind::Angular);
+            let turns: Vec<_> = turns.map(|a| a.direction).collect();
+            // A shift moves the others' arms along the parent, without end.
+            let shift = |(b, frame): (&Body, Pose)| {
+                1.0 / b.mass + b.center.distance_squared(frame.position) * loose
+            };
+            let shift = match parent {
+                Some(_) => f64::INFINITY,
+                None => ends().map(shift).sum(),
+            };
+            let mut spread = spread(&turns).into_iter();
+            let mut turn = || match turns.len() {
+                3 => f64::INFINITY,
+                _ => spread.next().map_or(f64::INFINITY, |g| g * loose),
+            };
+            let of = |axis: &Axis| match axis.kind {
+                AxisKind::Angular => turn(),
+                AxisKind::Linear => shift,
+            };
+            joint.axes.iter().map(of).collect()
+        }
+    };
+    response.into_iter().map(f64::recip).collect()
+}
+
+/// Change of the rate along a joint's only axis by a unit impulse on one of its bodies, that joint's frame in it.
+fn response(body: &Body, frame: Pose, axis: &Axis) -> f64 {
+    let direction = frame.orientation * axis.direction;
+    match axis.kind {
+        AxisKind::Angular => direction.dot(body.inertia.inverse() * direction),
+        AxisKind::Linear => {
+            let turn = (frame.position - body.center).cross(direction);
+            1.0 / body.mass + turn.dot(body.inertia.inverse() * turn)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use model::{Builder, JointDraft, Object};
+
+    const STIFF: f64 = 1e6;
+
+    fn body(object: &mut Object, name: &str, mass: f64, center: DVec3) -> model::BodyHandle {
+        let moments = DMat3::from_diagonal(DVec3::new(0.3, 0.4, 0.5) * mass);
+        object.body(name).inertia(mass, center, moments).handle()
+    }
+
+    /// The inertia along the only spring of bodies of 2 and 3 kg: with h = 1 s that is k/s, and s = 1/(1 − Θ). `free` joints
+    /// give way.
+    fn inertia_of_one(free: bool, join: impl Fn(&mut Object, [model::BodyHandle; 2])) -> f64 {
+        let mut world = Builder::new("spring");
+        let object = world.object("");
+        let first = body(object, "first", 2.0, DVec3::new(0.1, 0.2, 0.0));
+        let second = body(object, "second", 3.0, DVec3::new(-0.3, 0.1, 0.4));
+        join(object, [first, second]);
+        let model = world.build().unwrap();
+        let all = if free {
+            implicitness_of_free(&model, 1.0)
+        } else {
+            implicitness(&model, &Forest::new(&model), 1.0)
+        };
+        let least = all.into_iter().filter(|x| *x > 0.0).fold(1.0, f64::min);
+        STIFF * (1.0 - least)
+    }
+
+    fn close(found: f64, expected: f64) {
+        assert!((found / expected - 1.0).abs() < 1e-6, "{found} {expected}");
+    }
+
+    fn spring(joint: &mut JointDraft) -> &mut JointDraft {
+        joint.spring(STIFF, 0.0)
+    }
+
+    /// I + m r² on a hinge that holds, I on one that gives way; both with the armature.
+    #[test]
+    fn a_pendulum_has_its_inertia_about_the_hinge() {
+        for (free, expected) in [(false, 1.5 + 3.0 * 0.1), (true, 1.5)] {
+            let found = inertia_of_one(free, |object, [_, second]| {
+                spring(object.revolute("hinge", second, DVec3::Z)).armature(0.25);
+            });
+            close(found, expected + 0.25);
+        }
+    }
+
+    /// I₁ I₂/(I₁ + I₂) of wheels on one shaft.
+    #[test]
+    fn wheels_on_a_shaft_have_their_reduced_inertia() {
+        for free in [false, true] {
+            let found = inertia_of_one(free, |object, [first, second]| {
+                let frames = [DVec3::new(0.1, 0.2, 0.0), DVec3::new(-0.3, 0.1, 0.4)].map(Pose::at);
+                let joint = object.revolute("shaft", second, DVec3::Z);
+                spring(joint).parent(first).frames(frames[0], frames[1]);
+            });
+            close(found, 1.0 * 1.5 / (1.0 + 1.5));
+        }
+    }
+
+    /// μ I/(I + μ r²) of bodies on a slide that passes by their centres at r, both turning together with I = I₁ + I₂.
+    #[test]
+    fn bodies_on_a_slide_turn_where_it_pushes_beside_their_centres() {
+        let (reduced, across) = (6.0 / 5.0, DVec3::new(0.0, -0.1, 0.4));
+        let moments = DVec3::new(0.3, 0.4, 0.5) * 5.0;
+        // About y and z, which r x̂ × p is along: r × x̂ = (0, 0.4, 0.1).
+        let push = across.cross(DVec3::X);
+        let together = DMat3::from_diagonal(moments) + steiner(reduced, across);
+        let turned = push.dot(together.inverse() * push);
+        let found = inertia_of_one(false, |object, [first, second]| {
+            let joint = object.prismatic("slide", second, DVec3::X);
+            spring(joint).parent(first);
+        });
+        close(found, reduced - reduced * reduced * turned);
+    }
+
+    /// Two hinges at right angles share ω as x and y do; three may lock.
+    #[test]
+    fn axes_in_turn_have_what_is_left_of_them_together() {
+        let stack = |count: usize| {
+            inertia_of_one(true, |object, [_, second]| {
+                let axes = [DVec3::X, DVec3::Y, DVec3::Z].map(Axis::angular);
+                spring(object.d6("stack", second, &axes[..count]));
+            })
+        };
+        let loose = 1.0 / 0.9 + 1.0 / 1.2 + 1.0 / 1.5;
+        // Each of two springs has half of what its body bears.
+        close(stack(2), 1.0 / loose * 0.5);
+        assert_eq!(stack(3), 0.0);
+    }
+
+    #[test]
+    fn stiff_springs_leave_to_others_what_is_theirs() {
+        assert_eq!(level(vec![0.2, 0.3]), f64::MAX);
+        assert_eq!(level(vec![5.0]), 1.0);
+        assert_eq!(level(vec![5.0, 0.25, f64::INFINITY, 9.0]), 0.375);
+    }
+}

@@ -1,0 +1,113 @@
+//! What swings on springs: it goes on where steps resolve it, and comes to rest where they do not.
+
+use crate::common::*;
+use fastrand::Rng;
+use glam::{DMat3, DQuat, DVec3};
+use model::{Axis, BodyHandle, Builder, Model, Pose};
+
+/// Symplectic Euler keeps v² + ω² q² − h ω² q v, ω = √(k/m), to rounding.
+#[test]
+fn a_spring_that_steps_resolve_keeps_its_energy() {
+    let h = 2e-3;
+    for (stiffness, seconds) in [(1000.0, 1.0), (1000.0, 100.0), (4e5, 10.0)] {
+        for model in [
+            slider(|j| _ = j.spring(stiffness, 0.0)),
+            wheel(|j| _ = j.spring(stiffness, 0.0)),
+        ] {
+            for method in SOLVERS {
+                let mut simulation = method.simulate::<f64>(&model, h);
+                simulation.set_joint_state(0, &[1e-7], &[3e-7]).unwrap();
+                let kept = |q: f64, v: f64| v * v + stiffness / MASS * q * (q - h * v);
+                let steps = (seconds / h) as usize;
+                simulation.step(steps);
+                let outputs = simulation.outputs();
+                let (q, v) = (outputs.joint_position(0)[0], outputs.joint_velocity(0)[0]);
+                let share = kept(q, v) / kept(1e-7, 3e-7);
+                let rounding = 1e-14 * steps as f64;
+                close(
+                    format!("{} {method:?} {stiffness} {seconds}", model.name),
+                    share,
+                    1.0,
+                    rounding,
+                );
+            }
+        }
+    }
+}
+
+/// A number between two.
+fn within(random: &mut Rng, low: f64, high: f64) -> f64 {
+    low + (high - low) * random.f64()
+}
+
+/// The same, evenly in its logarithm.
+fn decades(random: &mut Rng, low: f64, high: f64) -> f64 {
+    within(random, low.ln(), high.ln()).exp()
+}
+
+fn direction(random: &mut Rng) -> DVec3 {
+    DVec3::from_array([0; 3].map(|_| within(random, -1.0, 1.0))).normalize()
+}
+
+/// A tree of bodies on springs, of masses, sizes and stiffnesses that differ by decades, on the world or free.
+fn tree(random: &mut Rng) -> Model {
+    let mut world = Builder::new("tree");
+    world.gravity(DVec3::ZERO);
+    let object = world.object("");
+    let mut bodies: Vec<BodyHandle> = Vec::new();
+    for i in 0..random.usize(1..7) {
+        let (mass, size) = (decades(random, 0.1, 10.0), decades(random, 0.03, 0.3));
+        let turn = DMat3::from_quat(DQuat::from_scaled_axis(direction(random)));
+        let sides = [0; 3].map(|_| within(random, 0.3, 1.0) * size);
+        let [a, b, c] = sides.map(|side| mass * side * side);
+        let moments = DMat3::from_diagonal(DVec3::new(b + c, c + a, a + b));
+        let inertia = turn * moments * turn.transpose();
+        let center = direction(random) * within(random, 0.0, 3.0) * size;
+        let body = object.body(format!("body {i}"));
+        let body = body.inertia(mass, center, inertia).handle();
+        if i > 0 && random.usize(0..5) == 0 {
+            bodies.push(body);
+            continue;
+        }
+        let (axis, name) = (direction(random), format!("joint {i}"));
+        let across = axis.any_orthonormal_vector();
+        let joint = match random.usize(0..4) {
+            0 => object.prismatic(name, body, axis),
+            1 => object.d6(name, body, &[Axis::angular(axis), Axis::angular(across)]),
+            _ => object.revolute(name, body, axis),
+        };
+        joint.spring(decades(random, 1e-2, 1e9), 0.0);
+        if !bodies.is_empty() && random.usize(0..5) > 0 {
+            joint.parent(bodies[random.usize(0..bodies.len())]);
+        }
+        joint.at(Pose::at(direction(random) * within(random, 0.0, 0.5)));
+        bodies.push(body);
+    }
+    world.build().unwrap()
+}
+
+/// Stable however stiff: what a tree is given, it never has much more of. What steps keep is the energy with up to half as much
+/// more or less where ω h = 1, and so energy itself is at most (1 + ½)/(1 − ½) of what it was. By `impulse`, which pushes joints
+/// one by one, some of these trees fly apart, whatever Θ.
+#[test]
+fn no_spring_is_too_stiff() {
+    let mut random = Rng::with_seed(7);
+    for case in 0..300 {
+        let model = tree(&mut random);
+        let n = model.degrees_of_freedom();
+        let speeds: Vec<_> = (0..n).map(|_| within(&mut random, -1.0, 1.0)).collect();
+        for method in [EULER, XPBD] {
+            let mut simulation = method.simulate::<f64>(&model, 2e-3);
+            let place = model.initial_position();
+            simulation.set_joint_state(0, &place, &speeds).unwrap();
+            let before = simulation.outputs().energy(0);
+            let mut most: f64 = 0.0;
+            for _ in 0..100 {
+                simulation.step(20);
+                most = most.max(simulation.outputs().energy(0));
+            }
+            let share = most / before;
+            assert!(share <= 3.0, "{case} {method:?}: {share}");
+        }
+    }
+}
