@@ -4,13 +4,8 @@ For each model of `MODELS`, `<out>/<model>.json` holds random states with A and 
 (central differences), and the mean time of one call. Contacts and fluid drag are switched off, and no limit
 is active in any state.
 
-The step is that of Kinetarium's semi-implicit Euler. MuJoCo's Euler ("eulerdamp") takes dampers at the
-speeds that the step ends with, but springs at the coordinates that it starts with. Taken at the end, as
-Kinetarium does, a spring k in a step h is one at the start and a damper h k besides:
-
-    -k (q + h v + h^2 a) = -k q - (h k) (v + h a)
-
-which is what the damping of a joint with a spring gets here.
+The step is Euler's: Kinetarium's semi-implicit Euler and MuJoCo's Euler ("eulerdamp") both take dampers at the speeds
+that the step ends with, and springs that it resolves, as all of these are, at the coordinates that it starts with.
 """
 
 import argparse
@@ -36,12 +31,6 @@ STATES = 20
 WIDTH = 1e-6  # of the differences
 
 
-def like_kinetarium(model: mujoco.MjModel) -> None:
-    """Euler's step, in which springs act at its end."""
-    model.opt.integrator = mujoco.mjtIntegrator.mjINT_EULER
-    model.dof_damping[:] += model.opt.timestep * model.jnt_stiffness[model.dof_jntid]
-
-
 def transition(model: mujoco.MjModel, data: mujoco.MjData) -> tuple[np.ndarray, np.ndarray, float]:
     """A, B, and the time of the call [s]."""
     n = 2 * model.nv + model.na
@@ -54,7 +43,7 @@ def transition(model: mujoco.MjModel, data: mujoco.MjData) -> tuple[np.ndarray, 
 def describe(path: Path) -> dict:
     """The states of one model; the seed is fixed by its name."""
     model, _ = load(path)
-    like_kinetarium(model)
+    model.opt.integrator = mujoco.mjtIntegrator.mjINT_EULER
     rng = np.random.default_rng(list(path.stem.encode()))
     data = mujoco.MjData(model)
     states, seconds = [], []

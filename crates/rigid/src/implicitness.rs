@@ -28,7 +28,7 @@
 
 use crate::featherstone::tables::{Forest, Node, is_rigid, motion, steiner};
 use glam::{DMat3, DQuat, DVec3};
-use model::{Axis, AxisKind, Body, BodyId, BodyKind, Joint, JointId, Model, Pose};
+use model::{Axis, AxisKind, Body, BodyId, BodyKind, Joint, JointId, JointKind, Model, Pose};
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -53,19 +53,30 @@ pub(crate) fn implicitness(model: &Model, forest: &Forest, h: f64) -> Vec<f64> {
     springs.implicitness()
 }
 
-/// The same where joints give way for a moment, so that bodies answer as if no joint held them.
+/// The same where joints give way for a moment, so that bodies answer as if no joint held them, and what one joint does to
+/// a body reaches its others in a later pass: late forces feed what swings, and so Θ is 1 where a body has several joints.
 pub(crate) fn implicitness_of_free(model: &Model, h: f64) -> Vec<f64> {
-    let mut springs = Springs::new(model, h);
     let moves = |id: &BodyId| model.bodies[id.0].kind == BodyKind::Dynamic;
+    let ends = |joint: &Joint| [Some(joint.child), joint.parent].map(|end| end.filter(moves));
+    let mut held = vec![0; model.bodies.len()];
+    let holding = model.joints.iter().filter(|j| j.kind != JointKind::Free);
+    for body in holding.flat_map(ends).flatten() {
+        held[body.0] += 1;
+    }
+    let mut springs = Springs::new(model, h);
+    let mut shared = Vec::new();
     for (i, joint) in model.joints.iter().enumerate() {
         let dofs = model.dof_range(JointId(i));
-        if springs.any(dofs.clone()) {
-            let ends = [Some(joint.child), joint.parent].map(|end| end.filter(moves));
-            let least = free_inertia(model, joint);
-            springs.join(dofs, &least, ends.map(|end| end.map(|id| id.0)));
+        if ends(joint).iter().flatten().any(|body| held[body.0] > 1) {
+            shared.extend(dofs);
+        } else if springs.any(dofs.clone()) {
+            let bodies = ends(joint).map(|end| end.map(|id| id.0));
+            springs.join(dofs, &free_inertia(model, joint), bodies);
         }
     }
-    springs.implicitness()
+    let mut all = springs.implicitness();
+    shared.into_iter().for_each(|v| all[v] = 1.0);
+    all
 }
 
 /// The springs of a model, and what they share.

