@@ -28,7 +28,7 @@ pub mod xpbd;
 pub use contacts::ContactTables;
 pub use featherstone::dynamics::{Dynamics, DynamicsError, DynamicsKernels, Totals};
 pub use featherstone::{ArticulatedBodies, Featherstone, Integrator, TouchingFeatherstone};
-pub use gauges::{Gauge, Gauges, Reported};
+pub use gauges::{FLAGS, Gauge, Gauges, Reported};
 pub use input::InputTables;
 pub use instrument::{Instrument, Sheet};
 pub use output::{OutputTables, body, body_acceleration, contact, reaction, total};

@@ -9,7 +9,7 @@ use crate::instrument::Reader;
 use crate::outputs::existing;
 use crate::queries::check_pose;
 use crate::{OutputPart, Simulation, SimulationError};
-use model::{BodyId, Joint, JointId, Model, Mount};
+use model::{BodyId, Joint, JointId, Model, Mount, ShapeId};
 use numbers::{Float, Memory};
 use rigid::{Gauge, Instrument, Report, Reported};
 use std::ops::Range;
@@ -67,18 +67,23 @@ impl<T: Float> Simulation<T> {
     /// [`read_gauges`](Self::read_gauges).
     ///
     /// # Errors
-    /// A body, joint or actuator that does not exist; a frame that is nowhere, or turned by no rotation; efforts of drives
+    /// A body, joint, shape or actuator that does not exist; a frame that is nowhere, or turned by no rotation; efforts of drives
     /// with a control time.
     pub fn gauges(&self, mut list: Vec<Gauge>) -> Result<Gauges<T>, SimulationError> {
         let model = self.model();
         for (i, gauge) in list.iter_mut().enumerate() {
             check(model, gauge, i)?;
         }
-        let compiled = self.compiled_gauges(model, &list);
+        Ok(self.checked_gauges(list))
+    }
+
+    /// The same of what the model has.
+    pub(crate) fn checked_gauges(&self, list: Vec<Gauge>) -> Gauges<T> {
+        let compiled = self.compiled_gauges(self.model(), &list);
         let rows = self.last_reported().contact_rows(|_| true).len();
         let parts = list.iter().flat_map(|gauge| self.parts(gauge, rows));
-        Ok(Gauges {
-            model: Arc::clone(model),
+        Gauges {
+            model: Arc::clone(self.model()),
             solver: (self.solver(), self.settings().contacts),
             worlds: self.worlds(),
             numbers: compiled.numbers().to_vec(),
@@ -90,7 +95,7 @@ impl<T: Float> Simulation<T> {
             ),
             models: Vec::new(),
             list,
-        })
+        }
     }
 
     fn compiled_gauges(&self, model: &Model, list: &[Gauge]) -> rigid::Gauges {
@@ -198,7 +203,7 @@ impl<T: Float> Simulation<T> {
         };
         let axes = |joint: JointId| [Coordinates(joint), Velocities(joint)];
         let contacts = |body: BodyId| -> Vec<OutputPart> {
-            let of = |shape: model::ShapeId| model.shapes[shape.0].body == Some(body);
+            let of = |shape: ShapeId| model.shapes[shape.0].body == Some(body);
             let rows = self.last_reported().contact_rows(of);
             if rows.len() == all {
                 return vec![Contacts];
@@ -206,7 +211,9 @@ impl<T: Float> Simulation<T> {
             rows.into_iter().map(ContactRow).collect()
         };
         match gauge {
-            Gauge::JointPosition(joints) => joints.iter().map(|j| Coordinates(*j)).collect(),
+            Gauge::JointPosition(joints) | Gauge::AtEnd(joints) => {
+                joints.iter().map(|j| Coordinates(*j)).collect()
+            }
             Gauge::JointVelocity(joints) => joints.iter().map(|j| Velocities(*j)).collect(),
             Gauge::JointEffort(joints) => joints.iter().flat_map(|j| axes(*j)).collect(),
             Gauge::ActuatorForce(rows) => {
@@ -221,6 +228,7 @@ impl<T: Float> Simulation<T> {
                 vec![Motion(model.joints[joint.0].child), Reaction(*joint)]
             }
             Gauge::Touch(body) => contacts(*body),
+            Gauge::Pressing(_) | Gauge::Overlapping(_) | Gauge::PairForce(_) => vec![Contacts],
             Gauge::ContactForce(body, _) => [contacts(*body), vec![Motion(*body)]].concat(),
             Gauge::FramePose(frames) => mounts(frames),
             Gauge::FrameVelocity(mount, _) => mounts(std::slice::from_ref(mount)),
@@ -236,13 +244,17 @@ impl<T: Float> Simulation<T> {
 fn check(model: &Model, gauge: &mut Gauge, row: usize) -> Result<(), SimulationError> {
     let body = |id: BodyId| index("body", id.0, model.bodies.len());
     let joint = |id: JointId| index("joint", id.0, model.joints.len());
+    let shapes = |pairs: &[[ShapeId; 2]]| {
+        let mut all = pairs.iter().flatten();
+        all.try_for_each(|id| index("shape", id.0, model.shapes.len()))
+    };
     let place = |mount: &mut Mount| {
         mount.body.map_or(Ok(()), body)?;
         mount.pose = check_pose(("gauge", row), mount.pose)?;
         Ok(())
     };
     match gauge {
-        Gauge::JointPosition(joints) | Gauge::JointVelocity(joints) => {
+        Gauge::JointPosition(joints) | Gauge::JointVelocity(joints) | Gauge::AtEnd(joints) => {
             joints.iter().try_for_each(|&id| joint(id))
         }
         Gauge::JointEffort(joints) => joints.iter().try_for_each(|&id| {
@@ -263,6 +275,9 @@ fn check(model: &Model, gauge: &mut Gauge, row: usize) -> Result<(), SimulationE
         }
         Gauge::Touch(id) | Gauge::ContactForce(id, _) => body(*id),
         Gauge::FramePose(frames) => frames.iter_mut().try_for_each(place),
+        Gauge::Pressing(pairs) | Gauge::Overlapping(pairs) | Gauge::PairForce(pairs) => {
+            shapes(pairs)
+        }
         Gauge::CenterOfMass(of) => of.map_or(Ok(()), body),
     }
 }

@@ -77,7 +77,7 @@ pub struct Simulation<T: Float> {
     /// How much of the output is of the present state.
     pub(crate) reported: Option<Report>,
     pub(crate) diverged: Vec<Diverged>,
-    pub(crate) watcher: Option<Watcher>,
+    pub(crate) watcher: Option<Watcher<T>>,
     /// Changes whenever bodies may have moved.
     pub(crate) moment: u64,
     /// Where shapes were when they were last asked about.

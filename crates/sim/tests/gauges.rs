@@ -8,9 +8,10 @@ mod models;
 use every_gauge::every_gauge;
 use glam::{DQuat, DVec3};
 use kinetarium_sim::{
-    Effort, Gauge, Gauges, Outputs, Simulation, SimulationError, SimulationSettings, SolverKind,
+    Effort, FLAGS, Gauge, Gauges, Outputs, Simulation, SimulationError, SimulationSettings,
+    SolverKind,
 };
-use model::{Axes, BodyId, BodyKind, JointId, Model, Mount, Pose};
+use model::{Axes, BodyId, BodyKind, JointId, Model, Mount, Pose, ShapeId};
 use numbers::Float;
 use std::ops::Range;
 
@@ -152,8 +153,56 @@ impl<T: Float> Look<'_, T> {
                 vectors(&[turn * linear, turn * turning])
             }
             Gauge::CenterOfMass(of) => vectors(&[self.center(*of)]),
+            Gauge::Pressing(pairs) => {
+                let presses = |pair| self.between(pair).any(|(_, force)| force != DVec3::ZERO);
+                flags(pairs.iter().map(|&pair| presses(pair)))
+            }
+            Gauge::Overlapping(pairs) => {
+                let overlap = |pair| self.between(pair).any(|(distance, _)| distance <= 0.0);
+                flags(pairs.iter().map(|&pair| overlap(pair)))
+            }
+            Gauge::PairForce(pairs) => {
+                let sum = |&pair| self.between(pair).map(|(_, force)| force).sum::<DVec3>();
+                vectors(&Vec::from_iter(pairs.iter().map(sum)))
+            }
+            Gauge::AtEnd(joints) => flags(joints.iter().flat_map(|joint| self.ends(*joint))),
         }
     }
+    /// Distances and forces of the contacts of two shapes, on the second.
+    fn between(&self, [a, b]: [ShapeId; 2]) -> impl Iterator<Item = (f64, DVec3)> {
+        let contacts = self.outputs.contacts(self.world);
+        contacts.filter_map(move |c| match c.shapes {
+            shapes if shapes == [a, b] => Some((c.distance, c.force)),
+            shapes if shapes == [b, a] => Some((c.distance, -c.force)),
+            _ => None,
+        })
+    }
+    /// Whether each degree of freedom of a joint is at its upper end, and at its lower.
+    fn ends(&self, joint: JointId) -> Vec<bool> {
+        let model = self.simulation.world_model(self.world);
+        let coordinates = model.coordinate_range(joint);
+        let is_axis = coordinates.len() == model.dof_range(joint).len();
+        let x = |row: usize| self.outputs.coordinate(self.world, coordinates.start + row);
+        let dofs = model.joints[joint.0].dofs.iter().enumerate();
+        let ends = dofs.flat_map(|(row, dof)| match dof.limit.filter(|_| is_axis) {
+            Some(limit) => [x(row) >= limit.upper, x(row) <= limit.lower],
+            None => [false; 2],
+        });
+        ends.collect()
+    }
+}
+
+/// So many in a number, the first of them 1, the next 2, and so on.
+fn flags(set: impl Iterator<Item = bool>) -> Vec<f64> {
+    let set = Vec::from_iter(set);
+    let numbers = set.chunks(FLAGS);
+    let number = |flags: &[bool]| {
+        flags
+            .iter()
+            .rev()
+            .fold(0.0, |sum, &x| 2.0 * sum + f64::from(u8::from(x)))
+    };
+    numbers.map(number).collect()
 }
 
 /// These numbers of a world, as they were read.
@@ -182,7 +231,10 @@ fn agree<T: Float>(simulation: &mut Simulation<T>, tolerance: f64) -> usize {
                 let read = read(&gauges, world, numbers);
                 let expected = look.expected(gauge);
                 assert_eq!(read.len(), expected.len(), "{gauge:?}");
-                let size = expected.iter().fold(1.0_f64, |most, x| most.max(x.abs()));
+                let size = match gauge {
+                    Gauge::Pressing(_) | Gauge::Overlapping(_) | Gauge::AtEnd(_) => 1.0,
+                    _ => expected.iter().fold(1.0_f64, |most, x| most.max(x.abs())),
+                };
                 for (x, y) in read.iter().zip(&expected) {
                     let off = (x - y).abs() / size;
                     assert!(
@@ -341,6 +393,7 @@ fn what_there_is_not_is_refused() {
     };
     says(Gauge::Touch(BodyId(99)), "body 99");
     says(Gauge::JointVelocity(vec![JointId(98)]), "joint 98");
+    says(Gauge::Pressing(vec![[ShapeId(0), ShapeId(95)]]), "shape 95");
     says(Gauge::ForceTorque(JointId(97), None), "joint 97");
     says(Gauge::ActuatorForce(vec![96]), "actuator 96");
     let nowhere = Mount::default().at(Pose::at(DVec3::NAN));

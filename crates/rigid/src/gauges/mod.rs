@@ -6,7 +6,9 @@
 
 mod center_of_mass;
 mod effort;
+mod ends;
 mod frames;
+mod pairs;
 mod rows;
 mod touch;
 
@@ -15,13 +17,18 @@ use crate::tables::Filler;
 use crate::{InputTables, OutputTables, Sheet};
 use center_of_mass::{CenterNotes, Centers};
 use effort::{EffortNotes, Efforts};
+use ends::{EndNotes, Ends};
 use frames::{FrameNotes, Frames};
 use model::{Axes, BodyId, JointId, Model, Mount, Pose, ShapeId};
 use numbers::machine::space::{Input, Output, Space};
 use numbers::{Machine, Real, Table};
+use pairs::{PairNotes, Pairs};
 use rows::{Notes, Rows};
 use std::ops::Range;
 use touch::{TouchNotes, Touches};
+
+/// Flags in a number: up to 2²⁴, whole numbers are exact in single precision.
+pub const FLAGS: usize = 24;
 
 /// Something that is read of a world.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,12 +58,24 @@ pub enum Gauge {
     /// Centre of mass of a body and all that joints carry from it on, or of all bodies [m]: 3. Where nothing has mass, the
     /// body's origin, or the world's.
     CenterOfMass(Option<BodyId>),
+    /// Which of these pairs of shapes press on each other: [`FLAGS`] pairs a number, of which the first counts 1, the next 2,
+    /// then 4 and so on.
+    Pressing(Vec<[ShapeId; 2]>),
+    /// Which of these pairs of shapes overlap; numbers as of [`Pressing`](Self::Pressing).
+    Overlapping(Vec<[ShapeId; 2]>),
+    /// Sum of the forces of all contacts of the first of two shapes on the second [N], world axes: 3 for each pair.
+    PairForce(Vec<[ShapeId; 2]>),
+    /// At which ends of their ranges joints are: half of [`FLAGS`] degrees of freedom a number, of which the first counts 1
+    /// at its upper end and 2 at its lower, the next 4 and 8, and so on.
+    AtEnd(Vec<JointId>),
 }
 
 impl Gauge {
     /// How many numbers it has.
     pub fn numbers(&self, model: &Model) -> usize {
-        let dofs = |joints: &[JointId]| joints.iter().map(|j| model.dof_range(*j).len()).sum();
+        let dofs = |joints: &[JointId]| -> usize {
+            joints.iter().map(|j| model.dof_range(*j).len()).sum()
+        };
         match self {
             Self::JointPosition(joints) => {
                 let coordinates = joints.iter().map(|j| model.coordinate_range(*j).len());
@@ -68,6 +87,9 @@ impl Gauge {
             Self::Touch(_) => 1,
             Self::ContactForce(..) | Self::CenterOfMass(_) => 3,
             Self::FramePose(_) => 7,
+            Self::Pressing(pairs) | Self::Overlapping(pairs) => pairs.len().div_ceil(FLAGS),
+            Self::PairForce(pairs) => 3 * pairs.len(),
+            Self::AtEnd(joints) => (2 * dofs(joints)).div_ceil(FLAGS),
         }
     }
 }
@@ -98,6 +120,8 @@ struct AllNotes {
     copies: Notes<2, 0>,
     frames: FrameNotes,
     touches: TouchNotes,
+    pairs: PairNotes,
+    ends: EndNotes,
     efforts: EffortNotes,
     centers: CenterNotes,
 }
@@ -142,6 +166,10 @@ impl AllNotes {
                 self.frames.pose(model, [frame, relative], to);
             }
             Gauge::FrameVelocity(mount, axes) => self.frames.velocity(model, (mount, *axes), to),
+            Gauge::Pressing(pairs) => self.pairs.presses(all, pairs, to),
+            Gauge::Overlapping(pairs) => self.pairs.overlaps(all, pairs, to),
+            Gauge::PairForce(pairs) => self.pairs.forces(all, pairs, to),
+            Gauge::AtEnd(joints) => self.ends.add((model, outputs), joints, to),
             Gauge::CenterOfMass(of) => {
                 if let (false, Some(of)) = (self.centers.center(model, *of, to), of) {
                     for i in 0..3 {
@@ -166,6 +194,8 @@ struct Tables {
     copies: Rows<2, 0>,
     frames: Frames,
     touches: Touches,
+    pairs: Pairs,
+    ends: Ends,
     efforts: Efforts,
     centers: Centers,
 }
@@ -202,6 +232,8 @@ impl Gauges {
                 .frames
                 .place(of, [&mut parameters, &mut links, &mut scratch]),
             touches: notes.touches.place(of, [&mut parameters, &mut links]),
+            pairs: notes.pairs.place(reported, [&mut parameters, &mut links]),
+            ends: notes.ends.place(&mut parameters, &mut links),
             efforts: notes.efforts.place(reported, [&mut parameters, &mut links]),
             centers: notes.centers.place(&mut parameters, &mut links),
         };
@@ -209,10 +241,13 @@ impl Gauges {
         tables.copies.fill(&notes.copies, &mut f);
         tables.frames.fill(&notes.frames, model, &mut f);
         tables.touches.fill(&notes.touches, model, &mut f);
+        tables.pairs.fill(&notes.pairs, &mut f);
+        tables.ends.fill(&notes.ends, &mut f);
         tables.efforts.fill(&notes.efforts, &mut f);
         tables.centers.fill(&notes.centers, &mut f);
         let sums = notes.touches.rounds() + notes.efforts.rounds() + notes.centers.rounds();
-        let rounds = count + notes.copies.len() + notes.frames.rounds() + sums;
+        let flags = notes.pairs.rounds() + notes.ends.len();
+        let rounds = count + notes.copies.len() + notes.frames.rounds() + sums + flags;
         Self {
             tables,
             numbers,
@@ -245,6 +280,8 @@ impl Gauges {
         t.frames.place(k);
         t.frames.tell(k, t.told);
         t.touches.tell(k, &t.frames, t.told);
+        t.pairs.tell(k, t.told);
+        t.ends.tell(k, t.all, t.told);
         t.efforts.tell(k, t.told);
         t.centers.tell(k, &t.frames, t.told);
     }

@@ -122,7 +122,7 @@ impl Touches {
             let [first, end, body, to] = self.touches.links(k, gauge);
             for row in k.range(first, end) {
                 let [contact] = self.rows.links(k, row);
-                let met = self.meets(k, contact);
+                let met = meets(k.load(self.contacts, contact, contact::DISTANCE));
                 if let Some(_branch) = k.if_any(met) {
                     let sign = self.sign(k, [row, contact, body]);
                     let normal = k.vec3(self.contacts, contact, contact::NORMAL);
@@ -137,7 +137,7 @@ impl Touches {
             let axes = frames.orientation(k, frame);
             for row in k.range(first, end) {
                 let [contact] = self.rows.links(k, row);
-                let met = self.meets(k, contact);
+                let met = meets(k.load(self.contacts, contact, contact::DISTANCE));
                 if let Some(_branch) = k.if_any(met) {
                     let sign = self.sign(k, [row, contact, body]);
                     let sign = M::R::select(met, sign, M::R::zero());
@@ -147,10 +147,10 @@ impl Touches {
             }
         }
     }
-    /// Where there is a contact now.
-    #[inline(always)]
-    fn meets<M: Machine>(&self, k: &M, contact: M::I) -> <M::R as Real>::Mask {
-        let distance = k.load(self.contacts, contact, contact::DISTANCE);
-        distance.lt(M::R::lit(0.5 * FAR))
-    }
+}
+
+/// Where there is a contact now, by its distance.
+#[inline(always)]
+pub(super) fn meets<R: Real>(distance: R) -> R::Mask {
+    distance.lt(R::lit(0.5 * FAR))
 }

@@ -1,6 +1,6 @@
 //! One gauge of each kind for all that a model has.
 
-use model::{Axes, BodyId, JointId, JointKind, Model, Mount, Pose};
+use model::{Axes, BodyId, JointId, JointKind, Model, Mount, Pose, ShapeId};
 use rigid::Gauge;
 
 /// Somewhere on a body.
@@ -8,6 +8,14 @@ fn mount(body: usize) -> Mount {
     let at = glam::DVec3::new(0.3, -0.1 * body as f64, 0.2);
     let turn = glam::DQuat::from_euler(glam::EulerRot::XYZ, 0.4, 0.3 + body as f64, -0.7);
     Mount::on(BodyId(body)).at(Pose::new(at, turn))
+}
+
+/// Every two shapes, some of them the other way round.
+fn pairs(model: &Model) -> Vec<[ShapeId; 2]> {
+    let all = 0..model.shapes.len();
+    let pairs = all.flat_map(|b| (0..b).map(move |a| [ShapeId(a), ShapeId(b)]));
+    let turned = |(i, [a, b]): (usize, _)| if i % 3 == 2 { [b, a] } else { [a, b] };
+    pairs.enumerate().map(turned).collect()
 }
 
 pub fn every_gauge(model: &Model) -> Vec<Gauge> {
@@ -28,7 +36,11 @@ pub fn every_gauge(model: &Model) -> Vec<Gauge> {
     };
     let mut list = vec![
         Gauge::JointPosition(joints(&|joint| model.coordinate_range(joint).len())),
-        Gauge::JointVelocity(moving),
+        Gauge::JointVelocity(moving.clone()),
+        Gauge::AtEnd(moving),
+        Gauge::Pressing(pairs(model)),
+        Gauge::Overlapping(pairs(model)),
+        Gauge::PairForce(pairs(model)),
         Gauge::JointEffort(driven),
         Gauge::ActuatorForce((0..model.actuators.len()).rev().collect()),
         Gauge::Imu(standing),
