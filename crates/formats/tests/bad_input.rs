@@ -445,6 +445,14 @@ const MJCF: &[(&str, &str)] = &[
         "robot.xml:1:17: <mop>: <visual> holds no such element; correct its spelling, or put it where it belongs",
     ),
     (
+        "<mujoco><deformable><skni/></deformable></mujoco>",
+        "robot.xml:1:21: <skni>: <deformable> holds no such element; correct its spelling, or put it where it belongs",
+    ),
+    (
+        "<mujoco><extension><plugn/></extension></mujoco>",
+        "robot.xml:1:20: <plugn>: <extension> holds no such element; correct its spelling, or put it where it belongs",
+    ),
+    (
         "<mujoco><tendon><fixed><site site=\"a\"/></fixed></tendon></mujoco>",
         "robot.xml:1:24: <site>: <fixed> holds no such element; correct its spelling, or put it where it belongs",
     ),
@@ -521,12 +529,12 @@ const UNSUPPORTED: &[(&str, &str)] = &[
         "robot.xml:2:1: <option>: drag by a fluid (`density`) is not supported, and leaving it out would change the physics; set density and viscosity to 0 for a simulation in vacuum, or load leniently (--lenient) to go on without it",
     ),
     (
-        "<mujoco><deformable/></mujoco>",
-        "robot.xml:1:9: <deformable>: a flexible body is not supported, and leaving it out would change the physics; remove it from the file, or load leniently (--lenient) to go on without it",
+        "<mujoco><deformable>\n<flex name=\"cloth\"/></deformable></mujoco>",
+        "robot.xml:2:1: <flex>: a flexible body is not supported, and leaving it out would change the physics; remove it from the file, or load leniently (--lenient) to go on without it",
     ),
     (
-        "<mujoco><extension/></mujoco>",
-        "robot.xml:1:9: <extension>: a plugin is not supported, and leaving it out would change the physics; remove it and what refers to it, or load leniently (--lenient) to go on without it",
+        "<mujoco><extension>\n<plugin plugin=\"mujoco.pid\"/></extension></mujoco>",
+        "robot.xml:2:1: <plugin>: a plugin is not supported, and leaving it out would change the physics; remove it and what refers to it, or load leniently (--lenient) to go on without it",
     ),
     (
         "<mujoco><worldbody><body gravcomp=\"1\"><joint/><geom size=\"1\"/></body></worldbody></mujoco>",

@@ -317,8 +317,8 @@ fn elements_of_other_programs_are_noted() {
         };
         parse(text, "r.urdf", &InMemory::default(), &options)
     };
-    let known = text("<ros2_control/><sensor/><gazebo><plugin/></gazebo>");
-    assert_eq!(read(&known, false).expect("a model").warnings.len(), 3);
+    let known = text("<ros2_control/><sensor/><gazebo><plugin/></gazebo><extension/>");
+    assert_eq!(read(&known, false).expect("a model").warnings.len(), 4);
     // Not one of URDF's own joints, whatever its name.
     let unknown = text("<drake:joint name='j' type='universal'/>");
     let error = read(&unknown, false).expect_err("an element that is not known");

@@ -4,6 +4,7 @@ use super::compiler::Compiler;
 use super::defaults::Defaults;
 use super::mesh_mass::Inertia;
 use super::orientation;
+use super::sections::note_skin;
 use super::tree::taken;
 use crate::error::FormatError;
 use crate::report::Report;
@@ -106,7 +107,7 @@ impl Assets {
                     note_finish(&element, report);
                 }
                 "texture" => report.note(asset, "textures", "only seen; not read"),
-                "skin" => report.note(asset, "skins", "only seen; not read"),
+                "skin" => note_skin(asset, report),
                 "hfield" => {
                     report.check_attributes(asset, HEIGHT_FIELD, &[])?;
                     let name = name_or_stem(asset)?;

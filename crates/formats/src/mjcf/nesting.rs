@@ -16,6 +16,8 @@ const SECTIONS: &[(&str, &[&str])] = &[
         &["global", "quality", "headlight", "map", "scale", "rgba"],
     ),
     ("custom", &["numeric", "text", "tuple"]),
+    ("deformable", &["flex", "skin"]),
+    ("extension", &["plugin"]),
 ];
 /// Elements of sections and bodies that hold others; all others hold none.
 const HOLDERS: &[(&str, &[&str])] = &[
@@ -31,11 +33,7 @@ const HOLDERS: &[(&str, &[&str])] = &[
 /// Refuses what stands in an element that does not hold it.
 pub(super) fn check(root: &Element) -> Result<(), FormatError> {
     for section in &root.children {
-        let name = section.name.as_str();
-        if ["deformable", "extension"].contains(&name) {
-            continue;
-        }
-        if let Some((_, kinds)) = SECTIONS.iter().find(|(holder, _)| *holder == name) {
+        if let Some((_, kinds)) = SECTIONS.iter().find(|(name, _)| *name == section.name) {
             hold(section, kinds)?;
         }
         section.children.iter().try_for_each(inside)?;
@@ -43,11 +41,11 @@ pub(super) fn check(root: &Element) -> Result<(), FormatError> {
     Ok(())
 }
 
-/// Within an element of a section or body. Generators and plugins are refused as a whole.
+/// Within an element of a section or body. Generators, plugins and flexible bodies are refused as a whole.
 fn inside(element: &Element) -> Result<(), FormatError> {
     match element.name.as_str() {
         "body" | "frame" | "default" => element.children.iter().try_for_each(inside),
-        name if GENERATORS.contains(&name) => Ok(()),
+        name if GENERATORS.contains(&name) || name == "flex" => Ok(()),
         name => {
             let holder = HOLDERS.iter().find(|(holder, _)| *holder == name);
             hold(element, holder.map_or(&[], |(_, kinds)| *kinds))

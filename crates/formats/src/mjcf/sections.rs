@@ -26,12 +26,8 @@ pub(super) fn check(root: &Element, report: &mut Report) -> Result<(), FormatErr
     for section in &root.children {
         match section.name.as_str() {
             name if READ.contains(&name) || SILENT.contains(&name) => {}
-            "deformable" => {
-                report.refuse(section, "a flexible body", "remove it from the file")?;
-            }
-            "extension" => {
-                report.refuse(section, "a plugin", "remove it and what refers to it")?;
-            }
+            "deformable" => deformable(section, report)?,
+            "extension" => extension(section, report)?,
             other => {
                 return Err(section.invalid(
                     &format!("`{other}` is no section of a MuJoCo file"),
@@ -41,6 +37,27 @@ pub(super) fn check(root: &Element, report: &mut Report) -> Result<(), FormatErr
         }
     }
     Ok(())
+}
+
+/// Bodies that deform are refused; skins are looks, here as among the assets.
+fn deformable(section: &Element, report: &mut Report) -> Result<(), FormatError> {
+    section
+        .children_named("skin")
+        .for_each(|skin| note_skin(skin, report));
+    section
+        .children_named("flex")
+        .try_for_each(|flex| report.refuse(flex, "a flexible body", "remove it from the file"))
+}
+
+pub(super) fn note_skin(skin: &Element, report: &mut Report) {
+    report.note(skin, "skins", "only seen; not read");
+}
+
+fn extension(section: &Element, report: &mut Report) -> Result<(), FormatError> {
+    let remedy = "remove it and what refers to it";
+    section
+        .children_named("plugin")
+        .try_for_each(|plugin| report.refuse(plugin, "a plugin", remedy))
 }
 
 /// All sections of a name as one: their attributes, the later ones winning, and their children.

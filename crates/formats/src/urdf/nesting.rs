@@ -17,7 +17,14 @@ const HOLDERS: &[Holder] = &[
     Holder {
         name: "robot",
         read: &["link", "joint", "material"],
-        extensions: &["gazebo", "transmission", "ros2_control", "sensor", "mujoco"],
+        extensions: &[
+            "extension",
+            "gazebo",
+            "transmission",
+            "ros2_control",
+            "sensor",
+            "mujoco",
+        ],
     },
     Holder {
         name: "link",

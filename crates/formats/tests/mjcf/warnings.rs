@@ -103,3 +103,29 @@ fn times_of_keyframes_are_noted() {
     assert_eq!(key("time='2.5'"), [told]);
     assert_eq!(key("time='0'"), [""; 0]);
 }
+
+/// A skin among the assets, and one where bodies deform.
+#[test]
+fn skins_are_noted() {
+    for section in ["asset", "deformable"] {
+        let skin = "<skin name='s' vertex='0 0 0'>\n<bone body='b'/></skin>";
+        let text = format!("<mujoco><{section}>\n{skin}</{section}></mujoco>");
+        let told = "robot.xml:2: <skin>: skins: only seen; not read";
+        assert_eq!(lines(&read(&text).warnings), [told]);
+    }
+}
+
+#[test]
+fn empty_sections_say_nothing() {
+    let loaded = read("<mujoco><deformable/><extension/></mujoco>");
+    assert_eq!(lines(&loaded.warnings), [""; 0]);
+}
+
+#[test]
+fn flexible_bodies_and_plugins_are_left_out_leniently() {
+    let deformable = "<deformable><flex><contact/></flex><skin/></deformable>";
+    let extension = "<extension><plugin><instance/></plugin></extension>";
+    let loaded = lenient(&format!("<mujoco>{deformable}{extension}</mujoco>"));
+    let elements: Vec<_> = loaded.warnings.iter().map(|w| w.element.as_str()).collect();
+    assert_eq!(elements, ["skin", "flex", "plugin"]);
+}
