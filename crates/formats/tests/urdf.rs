@@ -334,3 +334,30 @@ fn elements_of_other_programs_are_noted() {
         "r.urdf:1: <drake:joint>: such an element in <robot>: left out although it changes the physics"
     );
 }
+
+/// Under the root, which stands still or floats.
+#[test]
+fn mimic_of_a_fixed_joint_is_noted() {
+    let mass = "<inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial>";
+    let link = |name: &str| format!("<link name='{name}'>{mass}</link>");
+    let joint = |name: &str, kind: &str, inner: &str| {
+        format!(
+            "<joint name='{name}' type='{kind}'><parent link='a'/><child link='{name}'/>\n{inner}</joint>"
+        )
+    };
+    let links = ["a", "b", "c"].map(link).concat();
+    let joints = joint("b", "continuous", "") + &joint("c", "fixed", "<mimic joint='b'/>");
+    let text = format!("<robot name='r'>{links}{joints}</robot>");
+    for floating_base in [false, true] {
+        let options = Options {
+            floating_base,
+            ..Options::default()
+        };
+        let loaded = parse(&text, "r.urdf", &InMemory::default(), &options).expect("a model");
+        assert!(loaded.model.couplings.is_empty());
+        let warnings: Vec<_> = loaded.warnings.iter().map(ToString::to_string).collect();
+        let told =
+            "r.urdf:3: <mimic>: mimic of a fixed joint: left out, for such a joint does not move";
+        assert_eq!(warnings, [told]);
+    }
+}

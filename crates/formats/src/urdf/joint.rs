@@ -143,6 +143,14 @@ fn limit(
     Ok(Some((lower, upper)))
 }
 
+/// What has no coordinate follows nothing, whether the joint is in the model or not.
+pub(super) fn note_fixed_follower(joint: &Element, report: &mut Report) {
+    if let Some(mimic) = joint.child("mimic") {
+        let meaning = "left out, for such a joint does not move";
+        report.note(mimic, "mimic of a fixed joint", meaning);
+    }
+}
+
 /// `mimic`: this joint's coordinate is multiplier · the other's + offset.
 pub(super) fn couple(
     tree: &Tree,
@@ -150,7 +158,8 @@ pub(super) fn couple(
     report: &mut Report,
 ) -> Result<(), FormatError> {
     for follower in &tree.joints {
-        let Some(mimic) = follower.element.child("mimic") else {
+        let moves = parts.joints[follower.id.0].kind != JointKind::Fixed;
+        let Some(mimic) = follower.element.child("mimic").filter(|_| moves) else {
             continue;
         };
         report.check_attributes(mimic, &["joint", "multiplier", "offset"], &[])?;

@@ -10,7 +10,7 @@
 //!   coordinates start at zero.
 //! - A joint's limits become soft ones, as stiff as MuJoCo's standard limits (time constant 20 ms,
 //!   critically damped, for the inertia at the start).
-//! - `effort` limits the joint's drive; `mimic` becomes a coupling.
+//! - `effort` limits the joint's drive; `mimic` becomes a coupling, and is noted at a fixed joint, which follows nothing.
 //! - Links without mass or inertia that are fixed to others are fused with them; names that are lost are listed.
 //! - Collision geometry collides, visual geometry is only seen. Mesh files are named, not read, unless
 //!   those that collide are asked for, exact or as hulls ([`Options::meshes`]). The package of a `package://`

@@ -64,6 +64,9 @@ impl<'a> Robot<'a> {
                 ));
             }
             let (kind, origin) = (Kind::of(element)?, origin(element, report)?);
+            if kind == Kind::Fixed {
+                joint::note_fixed_follower(element, report);
+            }
             leaving[parent].push(Connection {
                 element,
                 kind,
