@@ -55,10 +55,11 @@ pub struct Options {
 }
 
 /// What becomes of meshes that collide, or that a body has its mass from. Those that are only seen are
-/// named by their files in any case.
+/// named by their files in any case, and those that are written in the file stay what they are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Meshes {
-    /// They are named by their files, too; contacts of them are refused by the solvers.
+    /// They are named by their files, too; contacts of them are refused by the solvers. Those that are written in the file
+    /// are taken as they are.
     #[default]
     Named,
     /// Each is read and stays what it is, a surface of triangles that is touched from outside, whether

@@ -9,7 +9,7 @@ use crate::report::Report;
 use crate::xml::Element;
 use collide::mesh::{self, LoadError};
 use glam::DVec3;
-use model::{Geometry, Shape, TriangleMesh};
+use model::{Geometry, Hull, Shape, TriangleMesh};
 use std::cell::RefCell;
 use std::collections::HashMap;
 
@@ -37,7 +37,7 @@ fn beside(inside: &str) -> impl Iterator<Item = String> + '_ {
 /// A mesh that was read.
 #[derive(Clone)]
 pub(crate) struct Read {
-    /// Its triangles, as they are in its file.
+    /// Its triangles, as they are given.
     pub surface: TriangleMesh,
     /// What it becomes.
     pub geometry: Geometry,
@@ -71,46 +71,51 @@ impl<'a> MeshReader<'a> {
 
     /// The mesh that an element uses, with what it becomes; `None` as for that.
     pub fn read(&self, element: &Element, mesh: &Geometry) -> Result<Option<Read>, FormatError> {
-        let Geometry::MeshFile { file, scale } = mesh else {
-            return Ok(None);
+        let read = match mesh {
+            Geometry::MeshFile { .. } if self.meshes == Meshes::Named => return Ok(None),
+            Geometry::MeshFile { file, scale } => self.file(file, *scale),
+            Geometry::Mesh(surface) => {
+                let name = element.get("mesh").unwrap_or_default();
+                self.turn(name, surface.clone())
+            }
+            Geometry::Hull(hull) => convex(hull),
+            _ => return Ok(None),
         };
-        if self.meshes == Meshes::Named {
-            return Ok(None);
-        }
-        let key = (file.clone(), scale.to_array().map(f64::to_bits));
-        if let Some(read) = self.known.borrow().get(&key) {
-            return Ok(Some(read.clone()));
-        }
-        let read = self.parse(file, *scale);
-        let read = read.map_err(|problem| broken(element, problem))?;
-        self.known.borrow_mut().insert(key, read.clone());
-        Ok(Some(read))
+        read.map(Some).map_err(|problem| broken(element, problem))
     }
 
-    fn parse(&self, file: &str, scale: DVec3) -> Result<Read, String> {
+    fn file(&self, file: &str, scale: DVec3) -> Result<Read, String> {
+        let key = (file.to_owned(), scale.to_array().map(f64::to_bits));
+        if let Some(read) = self.known.borrow().get(&key) {
+            return Ok(read.clone());
+        }
         let (path, bytes) = self.contents("mesh", file)?;
-        let mesh = mesh::parse(&bytes, &path, scale).map_err(|error| match error {
+        let surface = mesh::parse(&bytes, &path, scale).map_err(|error| match error {
             LoadError::Unknown { .. } => {
                 let formats = formats();
                 format!("the mesh {path} has no known ending; convert it to {formats}")
             }
             other => other.to_string(),
         })?;
+        let read = self.turn(&path, surface)?;
+        self.known.borrow_mut().insert(key, read.clone());
+        Ok(read)
+    }
+
+    /// What a surface becomes, which is called `name`.
+    fn turn(&self, name: &str, surface: TriangleMesh) -> Result<Read, String> {
         if self.meshes == Meshes::Pieces {
-            self.pieces.find(&path, &mesh)?;
+            self.pieces.find(name, &surface)?;
         }
         let geometry = match self.meshes {
             Meshes::ConvexHull => {
-                let hull = mesh.convex_hull();
-                let hull = hull.map_err(|e| format!("the mesh {path} has no convex hull: {e}"))?;
+                let hull = surface.convex_hull();
+                let hull = hull.map_err(|e| format!("the mesh {name} has no convex hull: {e}"))?;
                 Geometry::Hull(hull)
             }
-            _ => Geometry::Mesh(mesh.clone()),
+            _ => Geometry::Mesh(surface.clone()),
         };
-        Ok(Read {
-            surface: mesh,
-            geometry,
-        })
+        Ok(Read { surface, geometry })
     }
 
     /// The path of the file of a `thing`, and what is in it. A ROS package is a folder of its name, beside the
@@ -174,7 +179,16 @@ impl<'a> MeshReader<'a> {
     }
 }
 
-/// An element uses a file that is not what it should be.
+/// What is convex stays so.
+fn convex(hull: &Hull) -> Result<Read, String> {
+    let surface = TriangleMesh::new(hull.vertices(), hull.triangles());
+    Ok(Read {
+        surface: surface.map_err(|e| e.to_string())?,
+        geometry: Geometry::Hull(hull.clone()),
+    })
+}
+
+/// An element uses a mesh that is not what it should be.
 pub(crate) fn broken(element: &Element, problem: String) -> FormatError {
     FormatError::Mesh {
         place: element.place.clone(),

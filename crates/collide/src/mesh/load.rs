@@ -94,14 +94,26 @@ fn from_soup(
         path: path.to_owned(),
         what,
     })?;
-    let vertices: Vec<_> = vertices.into_iter().map(|v| v * scale).collect();
-    let mirrored = scale.element_product() < 0.0;
-    let facing_out = |[a, b, c]: [u32; 3]| if mirrored { [a, c, b] } else { [a, b, c] };
-    let triangles: Vec<_> = triangles.into_iter().map(facing_out).collect();
-    TriangleMesh::new(&vertices, &triangles).map_err(|source| LoadError::Mesh {
+    scaled(&vertices, &triangles, scale).map_err(|source| LoadError::Mesh {
         path: path.to_owned(),
         source,
     })
+}
+
+/// Triangles over vertices, scaled along each axis; a scale that mirrors keeps the outside out.
+///
+/// # Errors
+/// Triangles that are no mesh.
+pub fn scaled(
+    vertices: &[DVec3],
+    triangles: &[[u32; 3]],
+    scale: DVec3,
+) -> Result<TriangleMesh, MeshError> {
+    let vertices: Vec<_> = vertices.iter().map(|v| *v * scale).collect();
+    let mirrored = scale.element_product() < 0.0;
+    let facing_out = |&[a, b, c]: &[u32; 3]| if mirrored { [a, c, b] } else { [a, b, c] };
+    let triangles: Vec<_> = triangles.iter().map(facing_out).collect();
+    TriangleMesh::new(&vertices, &triangles)
 }
 
 type Reader = fn(&[u8]) -> Result<Soup, String>;

@@ -16,7 +16,7 @@ mod tables;
 
 pub use kernel::{Surface, mesh_convex, mesh_mesh};
 #[cfg(feature = "meshes")]
-pub use load::{LoadError, is_known, load, parse};
+pub use load::{LoadError, is_known, load, parse, scaled};
 pub use oriented_box::OrientedBox;
 pub use tables::{
     BEYOND, BOUNDS, MeshData, MeshTables, NUMBER, SLOTS, TRIANGLE, Triangle, VERTICES, contact,

@@ -6,6 +6,7 @@ use super::mesh_mass::Inertia;
 use super::orientation;
 use super::sections::note_skin;
 use super::tree::taken;
+use super::written_mesh;
 use crate::error::FormatError;
 use crate::report::Report;
 use crate::xml::Element;
@@ -18,8 +19,6 @@ pub(super) const MESH: &[&str] = &[
     "content_type",
     "file",
     "vertex",
-    "normal",
-    "texcoord",
     "face",
     "refpos",
     "refquat",
@@ -30,6 +29,11 @@ pub(super) const MESH: &[&str] = &[
     "builtin",
     "params",
     "material",
+];
+
+pub(super) const MESH_UNUSED: &[(&str, &str)] = &[
+    ("normal", "only seen; not read"),
+    ("texcoord", "only seen; not read"),
 ];
 
 pub(super) const MATERIAL: &[&str] = &[
@@ -57,8 +61,9 @@ const HEIGHT_FIELD: &[&str] = &[
     "size",
 ];
 
-/// A mesh file, and where its origin lies in the geom that uses it.
+/// A mesh, and where its origin lies in the geom that uses it.
 pub(super) struct Mesh {
+    /// The file's name, or what is written.
     pub geometry: Geometry,
     pub origin: Pose,
     pub inertia: Inertia,
@@ -66,8 +71,8 @@ pub(super) struct Mesh {
 
 #[derive(Default)]
 pub(super) struct Assets {
-    /// Meshes by name; `None`, one that is not read from a file.
-    pub meshes: HashMap<String, Option<Mesh>>,
+    /// Meshes by name; of those that are not supported, what they are, for they are refused where they are used.
+    pub meshes: HashMap<String, Result<Mesh, String>>,
     /// Height fields by name, not read yet.
     pub height_fields: HashMap<String, Element>,
     /// Colours of the materials that have one.
@@ -89,7 +94,7 @@ impl Assets {
             match asset.name.as_str() {
                 "mesh" => {
                     let element = defaults.apply(asset, None, &["mesh"])?;
-                    report.check_attributes(&element, MESH, &[])?;
+                    report.check_attributes(&element, MESH, MESH_UNUSED)?;
                     let name = name_or_stem(&element)?;
                     let mesh = mesh(&element, compiler, report)?;
                     if assets.meshes.insert(name.clone(), mesh).is_some() {
@@ -142,19 +147,41 @@ fn mesh(
     element: &Element,
     compiler: &Compiler,
     report: &mut Report,
-) -> Result<Option<Mesh>, FormatError> {
-    let Some(file) = element.get("file") else {
-        return Ok(None);
-    };
+) -> Result<Result<Mesh, String>, FormatError> {
     let scale = element.vector("scale")?.unwrap_or(DVec3::ONE);
-    Ok(Some(Mesh {
-        geometry: Geometry::MeshFile {
-            file: compiler.mesh_path(file),
+    let geometry = match source(element)? {
+        "file" => Geometry::MeshFile {
+            file: compiler.mesh_path(element.require("file")?),
             scale,
         },
+        "vertex" => written_mesh::read(element, scale)?,
+        "builtin" => {
+            let kind = element.require("builtin")?;
+            return Ok(Err(format!("the built-in mesh `{kind}`")));
+        }
+        _ => return Ok(Err("a mesh of a plugin".to_owned())),
+    };
+    Ok(Ok(Mesh {
+        geometry,
         origin: reference(element, scale, report)?.inverse(),
         inertia: Inertia::read(element)?,
     }))
+}
+
+/// Where a mesh comes from: the one attribute of these that it has, or a plugin.
+fn source(mesh: &Element) -> Result<&'static str, FormatError> {
+    let given = ["file", "vertex", "builtin"]
+        .into_iter()
+        .filter(|name| mesh.has(name));
+    match given.collect::<Vec<_>>()[..] {
+        [one] => Ok(one),
+        [] if mesh.child("plugin").is_some() => Ok("plugin"),
+        [] => Err(mesh.invalid("it has no points", "write `file` or `vertex`")),
+        [first, second, ..] => {
+            let problem = format!("stands beside `{first}`");
+            Err(mesh.invalid_attribute(second, &problem, "keep one of them"))
+        }
+    }
 }
 
 /// Its name, or that of its file without folder and ending.

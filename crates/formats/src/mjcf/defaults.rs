@@ -136,7 +136,7 @@ impl Defaults {
 /// Refuses settings, and attributes of them, that no class has, whether anything is of the class or not.
 fn check(setting: &Element, report: &mut Report) -> Result<(), FormatError> {
     let known = match setting.name.as_str() {
-        "mesh" => assets::MESH.to_vec(),
+        "mesh" => with_unused(assets::MESH, assets::MESH_UNUSED),
         "material" => assets::MATERIAL.to_vec(),
         "joint" => with_unused(joint::KNOWN, joint::UNUSED),
         "geom" => geom::KNOWN.to_vec(),

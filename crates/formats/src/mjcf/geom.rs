@@ -122,7 +122,9 @@ pub(super) fn read(
     let group = element.integer("group")?.unwrap_or(0);
     let (first, last) = context.compiler.inertia_groups;
     let is_paired = context.physics.on("contact") && context.paired.contains(shape.name.as_str());
-    if (shape.collides || is_paired)
+    let is_mesh = element.get("type") == Some("mesh");
+    if is_mesh
+        && (shape.collides || is_paired)
         && let Some(read) = context.meshes.of(&element, &shape.geometry)?
     {
         shape.geometry = read;
@@ -305,12 +307,11 @@ fn mesh(
 ) -> Result<Option<(Geometry, Pose)>, FormatError> {
     let name = element.require("mesh")?;
     match context.assets.meshes.get(name) {
-        Some(Some(mesh)) => {
+        Some(Ok(mesh)) => {
             let local = pose(element, &context.compiler)?;
             Ok(Some((mesh.geometry.clone(), local * mesh.origin)))
         }
-        Some(None) => {
-            let feature = "a mesh that is written in the file or built in";
+        Some(Err(feature)) => {
             report.refuse(element, feature, "store the mesh in a file of its own")?;
             Ok(None)
         }

@@ -63,7 +63,7 @@ pub(super) fn of(
         return Ok(None);
     }
     let name = element.require("mesh")?;
-    let Some(Some(asset)) = context.assets.meshes.get(name) else {
+    let Some(Ok(asset)) = context.assets.meshes.get(name) else {
         return Ok(None);
     };
     let Some(read) = context.meshes.read(element, &asset.geometry)? else {

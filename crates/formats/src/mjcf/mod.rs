@@ -21,6 +21,7 @@
 //!   each other, the model names the pair, which follows its shapes where they get another friction.
 //! - Sensors of joints, actuators, frames and subtrees' centres, inertial units, forces, torques, touch and
 //!   rangefinders are in the model's list ([`Parts::sensors`]), with their noise, cutoff and interval.
+//! - Meshes whose points are written in the file are surfaces of triangles, or, without faces, convex hulls.
 //! - Cameras keep their names, places and fields of view; those of mode `track` go along with their body and do
 //!   not turn with it.
 //! - Equality constraints `connect` and `weld` become joints that close a loop, `joint` a coupling. A constraint that
@@ -52,6 +53,7 @@
 //!   it for rays as for contacts; pictures and MuJoCo's rays end it at its `size`, and the latter meet it from above alone.
 //! - Cameras of mode `trackcom` go along with their body's origin; those that aim at a body, and orthographic ones,
 //!   are left out.
+//! - Meshes that are built in, or made by a plugin, are refused where they are used, unless lenient.
 //! - A height field is its surface; MuJoCo's is solid down to its base.
 
 mod actuator;
@@ -83,6 +85,7 @@ mod softening;
 mod surface;
 mod tendon;
 mod tree;
+mod written_mesh;
 
 use crate::culprits::Culprits;
 use crate::error::FormatError;

@@ -2,9 +2,15 @@
 
 use kinetarium_formats::{InMemory, Loaded, Options, Warning, parse};
 
-fn read_with(body: &str, options: &Options) -> Loaded {
+pub fn read_with(body: &str, options: &Options) -> Loaded {
     let files = InMemory::default();
     parse(body, "robot.xml", &files, options).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Why a text is refused.
+pub fn refused(text: &str) -> String {
+    let error = parse(text, "robot.xml", &InMemory::default(), &Options::default());
+    error.expect_err("an error").to_string()
 }
 
 pub fn read(text: &str) -> Loaded {

@@ -11,3 +11,4 @@ mod includes;
 mod joints;
 mod scenery;
 mod warnings;
+mod written_meshes;
