@@ -71,8 +71,15 @@ impl<'a> MeshReader<'a> {
 
     /// The mesh that an element uses, with what it becomes; `None` as for that.
     pub fn read(&self, element: &Element, mesh: &Geometry) -> Result<Option<Read>, FormatError> {
+        match mesh {
+            Geometry::MeshFile { .. } if self.meshes == Meshes::Named => Ok(None),
+            _ => self.open(element, mesh),
+        }
+    }
+
+    /// The mesh that an element uses, whatever meshes are to become; `None` for what is no mesh.
+    pub fn open(&self, element: &Element, mesh: &Geometry) -> Result<Option<Read>, FormatError> {
         let read = match mesh {
-            Geometry::MeshFile { .. } if self.meshes == Meshes::Named => return Ok(None),
             Geometry::MeshFile { file, scale } => self.file(file, *scale),
             Geometry::Mesh(surface) => {
                 let name = element.get("mesh").unwrap_or_default();

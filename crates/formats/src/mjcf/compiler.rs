@@ -31,6 +31,8 @@ pub(super) struct Compiler {
     pub balance_inertia: bool,
     /// Total mass [kg] to which all masses are scaled.
     pub total_mass: Option<f64>,
+    /// Solids are fitted to the boxes about meshes, not to their inertia.
+    pub fit_to_bounds: bool,
     pub mesh_folder: String,
     pub strip_path: bool,
 }
@@ -103,6 +105,7 @@ impl Compiler {
             bound_inertia: section.non_negative("boundinertia")?.unwrap_or(0.0),
             balance_inertia: truth("balanceinertia", false)?,
             total_mass: section.number("settotalmass")?.filter(|mass| *mass > 0.0),
+            fit_to_bounds: truth("fitaabb", false)?,
             mesh_folder: folder.to_owned(),
             strip_path: truth("strippath", false)?,
         })

@@ -1,7 +1,8 @@
 //! `<geom>`: what a body looks and collides like, and often weighs (XML reference, "body/geom").
 
 use super::Context;
-use super::assets::color;
+use super::assets::{Mesh, color};
+use super::fitted;
 use super::height_field;
 use super::mesh_mass;
 use super::orientation::{least_rotation_from_z, pose};
@@ -199,24 +200,14 @@ fn placed_geometry(
             report.refuse(element, "a shape of type sdf", "use boxes or a mesh")?;
             return Ok(None);
         }
-        _ if element.has("mesh") => {
-            let feature = &format!("fitting {} to a mesh", one(kind));
-            report.refuse(element, feature, "give the geom's size and remove `mesh`")?;
-            return Ok(None);
-        }
         _ => {}
     }
-    let mut sizes = element.list("size", 1, 3)?.unwrap_or_default();
-    let local = match between(element, kind)? {
-        Some((local, half)) => {
-            let radius = sizes.first().copied().unwrap_or(0.0);
-            sizes = match kind {
-                "box" | "ellipsoid" => vec![radius, radius, half],
-                _ => vec![radius, half],
-            };
-            local
-        }
-        None => pose(element, &context.compiler)?,
+    let sized = match element.has("mesh") {
+        true => fitted::to_mesh(element, kind, context, report)?,
+        false => Some(sized(element, kind, context)?),
+    };
+    let Some((sizes, local)) = sized else {
+        return Ok(None);
     };
     let geometry = geometry(element, kind, &sizes)?;
     let turned = match geometry {
@@ -224,6 +215,24 @@ fn placed_geometry(
         _ => local * Pose::new(DVec3::ZERO, Y_TO_Z),
     };
     Ok(Some((geometry, turned)))
+}
+
+/// The sizes of a solid as MuJoCo has them, and its frame.
+fn sized(
+    element: &Element,
+    kind: &str,
+    context: &Context<'_>,
+) -> Result<(Vec<f64>, Pose), FormatError> {
+    let sizes = element.list("size", 1, 3)?.unwrap_or_default();
+    let Some((local, half)) = between(element, kind)? else {
+        return Ok((sizes, pose(element, &context.compiler)?));
+    };
+    let radius = sizes.first().copied().unwrap_or(0.0);
+    let sizes = match kind {
+        "box" | "ellipsoid" => vec![radius, radius, half],
+        _ => vec![radius, half],
+    };
+    Ok((sizes, local))
 }
 
 /// The frame of a geom or site between the two points of `fromto`, and half their distance: its origin half way,
@@ -305,12 +314,22 @@ fn mesh(
     context: &Context<'_>,
     report: &mut Report,
 ) -> Result<Option<(Geometry, Pose)>, FormatError> {
+    let Some(mesh) = mesh_asset(element, context, report)? else {
+        return Ok(None);
+    };
+    let local = pose(element, &context.compiler)?;
+    Ok(Some((mesh.geometry.clone(), local * mesh.origin)))
+}
+
+/// The mesh that a geom names; `None` where it was left out.
+pub(super) fn mesh_asset<'a>(
+    element: &Element,
+    context: &'a Context<'_>,
+    report: &mut Report,
+) -> Result<Option<&'a Mesh>, FormatError> {
     let name = element.require("mesh")?;
     match context.assets.meshes.get(name) {
-        Some(Ok(mesh)) => {
-            let local = pose(element, &context.compiler)?;
-            Ok(Some((mesh.geometry.clone(), local * mesh.origin)))
-        }
+        Some(Ok(mesh)) => Ok(Some(mesh)),
         Some(Err(feature)) => {
             report.refuse(element, feature, "store the mesh in a file of its own")?;
             Ok(None)

@@ -72,17 +72,45 @@ pub(super) fn of(
         report.refuse(element, "mass from the volume of a mesh", remedy)?;
         return Ok(None);
     };
-    let inertia = asset.inertia;
-    let own = weighed(&read, inertia).map_err(|problem| broken(element, problem))?;
+    of_read(element, &read, asset.inertia, Purpose::Mass, report)
+}
+
+/// What a geom has of a mesh.
+#[derive(Clone, Copy)]
+pub(super) enum Purpose {
+    Mass,
+    Size,
+}
+
+impl Purpose {
+    /// What that is, and how to give it otherwise.
+    fn words(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Mass => ("mass", "give the body an <inertial> element"),
+            Self::Size => ("size", "write the geom's `size`, and remove its `mesh`"),
+        }
+    }
+}
+
+/// Of a mesh that was read, in its frame.
+pub(super) fn of_read(
+    element: &Element,
+    read: &Read,
+    inertia: Inertia,
+    purpose: Purpose,
+    report: &mut Report,
+) -> Result<Option<MassProperties>, FormatError> {
+    let (thing, _) = purpose.words();
+    let own = weighed(read, inertia).map_err(|problem| broken(element, problem))?;
     let (unit, what, whose) = match &read.geometry {
         hull @ Geometry::Hull(_) if own.is_none() => {
-            let what = "mass from a mesh that is open or inside out";
+            let what = "a mesh that is open or inside out";
             (MassProperties::of(hull, 1.0), what, Inertia::Convex.whose())
         }
-        _ => (own, "mass from a mesh", inertia.whose()),
+        _ => (own, "a mesh", inertia.whose()),
     };
     let Some(unit) = unit else {
-        let (problem, remedy) = fault(element, &read.surface);
+        let (problem, remedy) = fault(element, &read.surface, purpose);
         if !report.is_lenient() {
             return Err(element.invalid(&problem, &remedy));
         }
@@ -93,17 +121,17 @@ pub(super) fn of(
         );
         return Ok(None);
     };
-    report.note(element, what, whose);
+    report.note(element, &format!("{thing} from {what}"), whose);
     if inertia == Inertia::Legacy && own.is_some() && is_hollow(&read.surface, unit) {
         let meaning =
             "MuJoCo counts some of the hollow, too, unless its <mesh> has inertia=\"exact\"";
-        report.note(element, "mass from a hollow mesh", meaning);
+        report.note(element, &format!("{thing} from a hollow mesh"), meaning);
     }
     Ok(Some(unit))
 }
 
 /// Why the mesh that a geom uses has no mass, and what to do.
-fn fault(geom: &Element, mesh: &TriangleMesh) -> (String, String) {
+fn fault(geom: &Element, mesh: &TriangleMesh, purpose: Purpose) -> (String, String) {
     let (open, volume) = (mesh.open_edges(), mesh.volume());
     let (what, cure) = match open.first() {
         Some([from, to]) => {
@@ -124,8 +152,9 @@ fn fault(geom: &Element, mesh: &TriangleMesh) -> (String, String) {
         }
     };
     let name = geom.get("mesh").unwrap_or_default();
-    let problem = format!("its mass is that of the mesh `{name}`, which {what}");
-    let remedy = format!("{cure}, or give the body an <inertial> element");
+    let (thing, otherwise) = purpose.words();
+    let problem = format!("its {thing} is that of the mesh `{name}`, which {what}");
+    let remedy = format!("{cure}, or {otherwise}");
     (problem, remedy)
 }
 

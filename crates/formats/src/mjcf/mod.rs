@@ -22,6 +22,7 @@
 //! - Sensors of joints, actuators, frames and subtrees' centres, inertial units, forces, torques, touch and
 //!   rangefinders are in the model's list ([`Parts::sensors`]), with their noise, cutoff and interval.
 //! - Meshes whose points are written in the file are surfaces of triangles, or, without faces, convex hulls.
+//! - Solids are fitted to meshes as in MuJoCo, whose files are read for that whatever they become where they collide.
 //! - Cameras keep their names, places and fields of view; those of mode `track` go along with their body and do
 //!   not turn with it.
 //! - Equality constraints `connect` and `weld` become joints that close a loop, `joint` a coupling. A constraint that
@@ -65,6 +66,7 @@ mod contact;
 mod content;
 mod defaults;
 mod equality;
+mod fitted;
 mod geom;
 mod height_field;
 mod include;
@@ -76,6 +78,7 @@ mod mesh_mass;
 mod nesting;
 mod option;
 mod orientation;
+mod principal_frame;
 mod sections;
 mod sensor;
 mod servo;

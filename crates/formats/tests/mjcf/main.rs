@@ -7,6 +7,7 @@ mod bodies;
 mod common;
 mod contacts;
 mod equality;
+mod fitted;
 mod includes;
 mod joints;
 mod scenery;
