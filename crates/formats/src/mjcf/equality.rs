@@ -1,9 +1,11 @@
-//! `<equality>` (XML reference, "equality"): joints that close a loop, and couplings.
+//! `<equality>` (XML reference, "equality"): joints that close a loop, couplings, and joints that are held.
 
 use super::Context;
+use super::hold;
 use super::joint::Kind;
 use super::tree::{Tree, TreeJoint, taken};
 use crate::error::FormatError;
+use crate::joint_space::JointSpace;
 use crate::names::Taken;
 use crate::report::Report;
 use crate::xml::Element;
@@ -28,6 +30,7 @@ type End = (Option<BodyId>, Pose);
 pub(super) fn read(
     root: &Element,
     tree: &mut Tree,
+    space: &JointSpace,
     context: &Context<'_>,
     report: &mut Report,
 ) -> Result<(), FormatError> {
@@ -57,12 +60,17 @@ pub(super) fn read(
             )?;
             continue;
         }
-        report.check_attributes(&merged, KNOWN, UNUSED)?;
+        let holds = kind == "joint" && !merged.has("joint2");
+        match holds {
+            true => report.check_attributes(&merged, &[KNOWN, hold::KNOWN].concat(), hold::UNUSED),
+            false => report.check_attributes(&merged, KNOWN, UNUSED),
+        }?;
         let name = merged.get("name").unwrap_or_default();
         if !name.is_empty() && !names.insert(name.to_owned()) {
             return Err(taken(&merged, "equality constraint", name));
         }
         match kind {
+            "joint" if holds => hold_joint(&merged, active, tree, space, context, report)?,
             "joint" => couple(&merged, active, tree, report)?,
             _ => close_loop(&merged, active, &mut joints, tree, report)?,
         }
@@ -169,6 +177,30 @@ fn weld_ends(element: &Element, tree: &Tree) -> Result<(End, End), FormatError> 
     Ok(((one, seen), (two, frame)))
 }
 
+/// y − y₀ = a₀: a joint alone.
+fn hold_joint(
+    element: &Element,
+    active: bool,
+    tree: &mut Tree,
+    space: &JointSpace,
+    context: &Context<'_>,
+    report: &mut Report,
+) -> Result<(), FormatError> {
+    let [a0, ..] = polynomial(element)?;
+    let held = one_axis(element, "joint1", tree)?;
+    if !active {
+        note_inactive(element, report);
+        return Ok(());
+    }
+    let (joint, row) = (held.joint.0, held.dof);
+    let (value, inertia) = (
+        held.file.reference + a0,
+        space.effective_inertia(joint, row),
+    );
+    let dof = &mut tree.parts.joints[joint].dofs[row];
+    hold::at(element, value, inertia, &context.physics, dof)
+}
+
 /// y − y₀ = a₀ + a₁ (x − x₀): a coupling of two joints.
 fn couple(
     element: &Element,
@@ -178,17 +210,11 @@ fn couple(
 ) -> Result<(), FormatError> {
     let [a0, a1, higher @ ..] = polynomial(element)?;
     let follower = one_axis(element, "joint1", tree)?;
-    let leader = match element.has("joint2") {
-        true => Some(one_axis(element, "joint2", tree)?),
-        false => None,
-    };
+    let leader = one_axis(element, "joint2", tree)?;
     if !active {
         note_inactive(element, report);
         return Ok(());
     }
-    let Some(leader) = leader else {
-        return report.refuse(element, "holding a joint at a value", "remove the joint");
-    };
     if higher != [0.0; 3] {
         let remedy = "keep the first two coefficients only";
         return report.refuse(element, "a relation that is not linear", remedy);

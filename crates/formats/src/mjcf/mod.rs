@@ -25,8 +25,9 @@
 //! - Solids are fitted to meshes as in MuJoCo, whose files are read for that whatever they become where they collide.
 //! - Cameras keep their names, places and fields of view; those of mode `track` go along with their body and do
 //!   not turn with it.
-//! - Equality constraints `connect` and `weld` become joints that close a loop, `joint` a coupling. A constraint that
-//!   has the name of a joint has a number behind it.
+//! - Equality constraints `connect` and `weld` become joints that close a loop, `joint` a coupling, or, of one joint alone,
+//!   a spring that holds it, as stiff as MuJoCo's constraint is. A constraint that has the name of a joint has a number behind
+//!   it.
 //!
 //! # Limitations
 //!
@@ -69,6 +70,7 @@ mod equality;
 mod fitted;
 mod geom;
 mod height_field;
+mod hold;
 mod include;
 mod inertial;
 mod joint;
@@ -160,7 +162,7 @@ pub(crate) fn read(
     softening::apply(&mut tree, &motors, &space, &context);
     keyframe::read(&root, &mut tree, &motors, &mut report)?;
     sensor::read(&root, &mut tree, &motors, &fusion, &context, &mut report)?;
-    equality::read(&root, &mut tree, &context, &mut report)?;
+    equality::read(&root, &mut tree, &space, &context, &mut report)?;
 
     let mut parts = tree.parts;
     let stem = root

@@ -109,6 +109,46 @@ fn joint_equality_is_a_coupling() {
     );
 }
 
+/// The law of MuJoCo's constraint on the inertia m that the joint shows, at the mean impedance of its ramp:
+/// a force d / (1 − d) m (d k r + b v), and the inertia d / (1 − d) m, beside the joint's own spring.
+#[test]
+fn one_joint_alone_is_held() {
+    let read = |joint: &str, equality: &str| {
+        read(&format!(
+            "<mujoco><worldbody><body><joint name='a' axis='0 1 0' ref='10' {joint}/>
+               <joint name='b' type='slide' axis='0 1 0'/><geom size='0.1' mass='2' pos='0 0 -1'/></body></worldbody>
+               <equality><joint joint1='a' {equality}/></equality></mujoco>"
+        ))
+    };
+    let m = 2.0 * (1.0 + 0.4 * 0.01);
+    let (start, held) = (10f64.to_radians(), 10f64.to_radians() + 0.3);
+    for (equality, time, impedances) in [
+        ("", 0.02, [0.9, 0.95]),
+        ("solref='0.1 1' solimp='0.5 0.7'", 0.1, [0.5, 0.7]),
+    ] {
+        let [least, most] = impedances;
+        let d = 0.5 * (least + most);
+        let (share, reach) = (d / (1.0 - d) * m, most * time);
+        let loaded = read("", &format!("polycoef='0.3 9' {equality}"));
+        let dof = &loaded.model.joints[0].dofs[0];
+        let near = |found: f64, expected: f64| (found - expected).abs() < 1e-9 * expected;
+        assert!(near(dof.stiffness, share * d / (reach * reach)), "{dof:?}");
+        assert!(near(dof.damping, share * 2.0 / reach), "{dof:?}");
+        assert!(near(dof.armature, share), "{dof:?}");
+        assert!(near(dof.rest, held), "{dof:?}");
+        assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
+        // The other joint of the body is free.
+        let free = &loaded.model.joints[0].dofs[1];
+        assert_eq!((free.stiffness, free.armature), (0.0, 0.0));
+    }
+    let alone = read("", "polycoef='0.3'").model.joints[0].dofs[0].clone();
+    let beside = read("stiffness='500' springref='10'", "polycoef='0.3'");
+    let dof = &beside.model.joints[0].dofs[0];
+    assert_eq!(dof.stiffness, alone.stiffness + 500.0);
+    let torque = |q: f64| alone.stiffness * (held - q) + 500.0 * (start - q);
+    assert!((dof.stiffness * (dof.rest - 0.2) - torque(0.2)).abs() < 1e-9);
+}
+
 /// Whatever it would do, were it active.
 #[test]
 fn inactive_constraints_do_nothing() {
