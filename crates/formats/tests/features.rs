@@ -10,7 +10,7 @@ use common::{
 };
 use glam::{DMat3, DQuat, DVec3};
 use kinetarium_formats::{self as formats, Options};
-use model::{Dof, Geometry, Model, Pose};
+use model::{Body, Dof, Geometry, Model, Pose};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -238,8 +238,12 @@ fn cameras() {
         let given = camera.size.unwrap_or([1, 1]);
         assert_eq!(*size, serde_json::json!(given), "{}", camera.name);
     }
+    compare_cameras(&model, &reference);
+}
+
+fn compare_cameras(model: &Model, reference: &Value) {
     for state in reference["states"].as_array().unwrap() {
-        let poses = poses(&model, &coordinates(&model, &state["qpos"]));
+        let poses = poses(model, &coordinates(model, &state["qpos"]));
         for (row, camera) in model.cameras.iter().enumerate() {
             let body = camera.body.map_or(Pose::IDENTITY, |id| poses[id.0]);
             let placed = camera.mode.placed(&body, &camera.pose);
@@ -255,6 +259,23 @@ fn cameras() {
             assert!(own.abs_diff_eq(turn, TOLERANCE), "{}", camera.name);
         }
     }
+}
+
+/// Free bodies have the frames of their inertia, the very ones that MuJoCo takes.
+#[test]
+fn aligned_bodies() {
+    let (model, reference) = load("align");
+    compare_cameras(&model, &reference);
+    let key = coordinates(&model, &reference["key_qpos"][0]);
+    assert_eq!(model.keyframes[0].joint_position, key);
+    let turned = |body: &&Body| {
+        let [x, y, z] = body.inertia.to_cols_array_2d();
+        let products = DVec3::new(x[1], y[2], z[0]).abs().max_element();
+        products > 1e-12 || body.center.length() > 1e-12
+    };
+    let turned = model.bodies.iter().filter(turned);
+    let names: Vec<_> = turned.map(|body| body.name.as_str()).collect();
+    assert_eq!(names, ["kept", "carries", "hinged"]);
 }
 
 #[test]

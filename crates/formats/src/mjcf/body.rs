@@ -1,6 +1,7 @@
 //! `<worldbody>` and `<body>`: the kinematic tree (XML reference, "(world)body").
 
 use super::Context;
+use super::align;
 use super::camera;
 use super::content::{self, Content};
 use super::geom::{Geom, Weight};
@@ -96,13 +97,14 @@ fn read_body<'a>(
     let element = visit.element;
     report.check_attributes(element, KNOWN, &[])?;
     let class = content::class(element, visit.class, context)?;
-    let contents = content::of(element, class, context, report)?;
-    let local = visit.frame * pose(element, &context.compiler)?;
-    let pose = tree.pose(visit.parent) * local;
+    let mut contents = content::of(element, class, context, report)?;
     let joints = content::joints(&contents, context, report)?;
     let moves = tree.moves(visit.parent) || !joints.is_empty();
     check_physics(element, visit.parent, moves, context, report)?;
-    let (mass, geoms) = weigh(element, &contents, moves, context, report)?;
+    let (mut mass, mut geoms) = weigh(element, &contents, moves, context, report)?;
+    let aligned = align::apply(&joints, &mut contents, &mut geoms, &mut mass, context)?;
+    let local = visit.frame * pose(element, &context.compiler)? * aligned;
+    let pose = tree.pose(visit.parent) * local;
     let body = Body {
         kind: if moves {
             BodyKind::Dynamic

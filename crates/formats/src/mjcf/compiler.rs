@@ -31,6 +31,8 @@ pub(super) struct Compiler {
     pub balance_inertia: bool,
     /// Total mass [kg] to which all masses are scaled.
     pub total_mass: Option<f64>,
+    /// Bodies that fly alone have the frame of their inertia, where their joints do not say.
+    pub align_free: bool,
     /// Solids are fitted to the boxes about meshes, not to their inertia.
     pub fit_to_bounds: bool,
     pub mesh_folder: String,
@@ -78,14 +80,6 @@ impl Compiler {
                  save it",
             ));
         }
-        if section.truth("alignfree")? == Some(true) {
-            let remedy = "set it to false";
-            report.refuse(
-                &section,
-                "alignfree, another frame for free bodies,",
-                remedy,
-            )?;
-        }
         let degrees = section.word("angle", &["degree", "radian"])? != Some("radian");
         let truth = |name, default| Ok(section.truth(name)?.unwrap_or(default));
         let groups = section
@@ -105,6 +99,7 @@ impl Compiler {
             bound_inertia: section.non_negative("boundinertia")?.unwrap_or(0.0),
             balance_inertia: truth("balanceinertia", false)?,
             total_mass: section.number("settotalmass")?.filter(|mass| *mass > 0.0),
+            align_free: truth("alignfree", false)?,
             fit_to_bounds: truth("fitaabb", false)?,
             mesh_folder: folder.to_owned(),
             strip_path: truth("strippath", false)?,

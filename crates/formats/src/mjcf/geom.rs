@@ -6,6 +6,7 @@ use super::fitted;
 use super::height_field;
 use super::mesh_mass;
 use super::orientation::{least_rotation_from_z, pose};
+use super::principal_frame;
 use super::shell;
 use super::surface::Surface;
 use crate::error::FormatError;
@@ -79,6 +80,8 @@ pub(super) struct Geom {
     pub shape: Shape,
     /// What it adds to the body's mass; `None` where it has none.
     pub solid: Option<MassProperties>,
+    /// The axes of that in the body, as MuJoCo has them.
+    pub axes: Option<DQuat>,
     pub surface: Surface,
 }
 
@@ -139,12 +142,15 @@ pub(super) fn read(
         _ if !(first..=last).contains(&group) => None,
         weight => solid(&element, &shape, weight, context, report)?,
     };
+    let turn = frame.orientation * pose(&element, &context.compiler)?.orientation;
+    let axes = solid.map(|solid| axes(&shape, &solid, turn));
     shape.density = density(&element, &shape, solid)?;
     lengthen_short_capsule(&element, &mut shape.geometry, report);
     Ok(Some(Geom {
         element,
         shape,
         solid,
+        axes,
         surface,
     }))
 }
@@ -401,6 +407,19 @@ fn solid(
     };
     let placed = unit.map(|unit| unit.placed(&shape.pose));
     Ok(placed.map(|unit| unit.with_mass(mass.unwrap_or(density * unit.mass))))
+}
+
+/// The axes that a solid stands along; of a mesh, which is turned like this, the principal ones.
+fn axes(shape: &Shape, solid: &MassProperties, turn: DQuat) -> DQuat {
+    match shape.geometry {
+        Geometry::MeshFile { .. } | Geometry::Mesh(_) | Geometry::Hull(_) => {
+            principal_frame::along(solid.inertia, turn)
+        }
+        Geometry::Capsule { .. } | Geometry::Cylinder { .. } => {
+            shape.pose.orientation * Y_TO_Z.inverse()
+        }
+        _ => shape.pose.orientation,
+    }
 }
 
 /// Density of the solid: the file's, or what its mass implies.

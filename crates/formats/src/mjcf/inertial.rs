@@ -4,11 +4,12 @@
 use super::compiler::{Compiler, InertiaFromGeom};
 use super::geom::Geom;
 use super::orientation::{ORIENTATIONS, pose};
+use super::principal_frame;
 use crate::error::FormatError;
 use crate::inertia;
 use crate::report::Report;
 use crate::xml::Element;
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 use model::{MassProperties, Pose};
 
 const KNOWN: &[&str] = &[
@@ -92,6 +93,19 @@ fn read(
         inertia,
     };
     Ok(local.placed(&(frame * pose(element, compiler)?)))
+}
+
+/// The axes of the inertia that an element in a frame gives, in the body: its own where it tells the moments about them.
+pub(super) fn axes(
+    element: &Element,
+    frame: Pose,
+    inertia: DMat3,
+    compiler: &Compiler,
+) -> Result<DQuat, FormatError> {
+    Ok(match element.has("fullinertia") {
+        true => principal_frame::along(inertia, frame.orientation),
+        false => frame.orientation * pose(element, compiler)?.orientation,
+    })
 }
 
 /// Applies the compiler's lower bounds and its balancing, and checks what comes of it.

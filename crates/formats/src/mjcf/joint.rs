@@ -107,13 +107,6 @@ pub(super) fn read(
     };
     if element.name == "freejoint" {
         report.check_attributes(&element, FREE_JOINT, &[])?;
-        if element.word("align", &["true", "false", "auto"])? == Some("true") {
-            report.refuse(
-                &element,
-                "aligning a free body's frame",
-                "set align to false",
-            )?;
-        }
     } else {
         report.check_attributes(&element, KNOWN, UNUSED)?;
         refuse_plasticity(&element, report)?;

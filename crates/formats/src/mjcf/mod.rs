@@ -11,6 +11,8 @@
 //! - One joint of a body is a `revolute`, `prismatic`, `ball` or `free` joint; several are one `d6`
 //!   joint that carries the body's name, with each joint's name at its degree of freedom. So the
 //!   coordinates are MuJoCo's qpos, except that quaternions are x, y, z, w.
+//! - A free body without children gets the frame of its inertia where `align` or `alignfree` asks for it, and the very axes
+//!   that MuJoCo takes, so that keyframes hold.
 //! - Joint ranges, narrowed by their margin, become soft limits, springs and dampers that carry an inertia along.
 //! - Bodies without mass or inertia that are welded to others are fused with them; names that are lost are listed.
 //! - Geoms touch that MuJoCo lets touch: `contype` and `conaffinity` are a shape's kinds; bodies that
@@ -59,6 +61,7 @@
 //! - A height field is its surface; MuJoCo's is solid down to its base.
 
 mod actuator;
+mod align;
 mod assets;
 mod body;
 mod camera;

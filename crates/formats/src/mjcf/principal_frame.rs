@@ -32,6 +32,11 @@ pub(super) fn of(inertia: DMat3) -> (DVec3, DQuat) {
     (moments, turn)
 }
 
+/// The orientation of the axes of an inertia that was worked out in axes turned like this.
+pub(super) fn along(inertia: DMat3, turn: DQuat) -> DQuat {
+    turn * of(seen(inertia, turn)).1
+}
+
 /// Along turned axes.
 fn seen(inertia: DMat3, turn: DQuat) -> DMat3 {
     let r = DMat3::from_quat(turn);

@@ -1,7 +1,7 @@
 //! Which bodies there are, and where.
 
 use crate::common::{lines, read};
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 use kinetarium_formats::{InMemory, Options, parse};
 use model::BodyKind;
 
@@ -165,4 +165,33 @@ fn deep_chains_are_read() {
         error.contains("nested more than 500 deep; make the tree of elements flatter"),
         "{error}"
     );
+}
+
+/// The frame of MuJoCo 4.0, for a mesh that weighs alone, and where a site and an anchor are in it.
+#[test]
+fn free_bodies_are_aligned_with_a_mesh() {
+    let cube = "-1 -1 0 1 -1 0 1 1 0 -1 1 0 -1 -1 2 1 -1 2 1 1 2 -1 1 2 0 0 1";
+    let faces =
+        "3 2 1 3 1 0 0 1 5 0 5 4 1 2 6 1 6 5 2 3 7 2 7 6 3 0 4 3 4 7 4 5 8 5 6 8 6 7 8 7 4 8";
+    let loaded = read(&format!(
+        "<mujoco><asset><mesh name='m' inertia='exact' vertex='{cube}' face='{faces}' scale='.3 .1 .2'/></asset>
+         <worldbody><site name='world'/>
+           <body name='b' pos='1 2 3' euler='0 0 90'><freejoint align='true'/>
+             <geom type='mesh' mesh='m' pos='.1 .2 .3' euler='10 20 30'/><site name='s' pos='1 0 0'/></body></worldbody>
+         <equality><connect site1='world' site2='s'/><connect body1='b' anchor='1 0 0'/></equality></mujoco>"
+    ));
+    let body = &loaded.model.bodies[0];
+    let place = DVec3::new(0.8277399049, 2.1581434244, 3.4573208183);
+    assert!(body.pose.position.abs_diff_eq(place, 1e-7), "{body:?}");
+    let turn = DQuat::from_xyzw(-0.0996005029, 0.7697511313, 0.5648625215, -0.2801664996);
+    let cosine = body.pose.orientation.dot(turn).abs();
+    assert!((cosine - 1.0).abs() < 1e-9, "{body:?}");
+    let moments = DMat3::from_diagonal(DVec3::new(1.708, 1.44, 0.556));
+    assert!(body.inertia.abs_diff_eq(moments, 1e-6), "{body:?}");
+    // The site stays where it was in the world; the anchor is given in the frame that the body gets.
+    let site = DVec3::new(-0.6831350016, -0.1071716623, 0.6851125233);
+    for (joint, expected) in loaded.model.joints[1..].iter().zip([site, DVec3::X]) {
+        let found = joint.child_frame.position;
+        assert!(found.abs_diff_eq(expected, 1e-7), "{found}");
+    }
 }
