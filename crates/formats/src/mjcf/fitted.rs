@@ -48,19 +48,19 @@ pub(super) fn to_mesh(
         return Ok(None);
     };
     let unit = mesh_mass::of_read(element, &read, mesh.inertia, Purpose::Size, report)?;
-    let Some(unit) = unit else {
+    let Some(unit) = unit.map(|unit| unit.placed(&mesh.origin)) else {
         return Ok(None);
     };
     let bounds = context.compiler.fit_to_bounds;
     let (frame, half) = match bounds {
-        true => bounding_box(&read, unit),
+        true => bounding_box(&read, mesh.origin, unit),
         false => inertia_box(unit),
     };
     let scale = element.number("fitscale")?.unwrap_or(1.0);
     let sizes = sizes(kind, scale * half, bounds);
     check(element, kind, &sizes)?;
     let local = pose(element, &context.compiler)?;
-    Ok(Some((sizes, local * mesh.origin * frame)))
+    Ok(Some((sizes, local * frame)))
 }
 
 fn inertia_box(unit: MassProperties) -> (Pose, DVec3) {
@@ -70,10 +70,10 @@ fn inertia_box(unit: MassProperties) -> (Pose, DVec3) {
     (Pose::new(unit.center, axes), half)
 }
 
-fn bounding_box(read: &Read, unit: MassProperties) -> (Pose, DVec3) {
+fn bounding_box(read: &Read, origin: Pose, unit: MassProperties) -> (Pose, DVec3) {
     let (_, axes) = principal_frame::of(unit.inertia);
     let frame = Pose::new(unit.center, axes);
-    let to_frame = frame.inverse();
+    let to_frame = frame.inverse() * origin;
     let vertices = read.surface.vertices().iter().map(|v| to_frame.point(*v));
     let bounds = [DVec3::INFINITY, DVec3::NEG_INFINITY];
     let [low, high] = vertices.fold(bounds, |[low, high], v| [low.min(v), high.max(v)]);

@@ -121,6 +121,21 @@ fn what_a_mesh_weighs_says_what_is_fitted_to_it() {
     }
 }
 
+/// Of a cube all axes are principal ones: those of the frame that it is given in are taken.
+#[test]
+fn a_cube_is_fitted_along_the_axes_of_its_frame() {
+    let mesh = "vertex='0 0 0 1 0 0 0 1 0 1 1 0 0 0 1 1 0 1 0 1 1 1 1 1' refpos='.1 .2 .3' refquat='.8 .6 0 0'";
+    let place = DVec3::new(0.8858713766, 2.5225512121, 3.0625690661);
+    let axes = DQuat::from_xyzw(0.3600421737, 0.1966282255, 0.4638269103, 0.7852207151);
+    for (compiler, across) in [("", 0.5), ("fitaabb='true'", 0.62)] {
+        let shape = fitted(mesh, "type='box'", compiler);
+        let expected = DVec3::new(0.5, across, across);
+        assert!(sizes(&shape).abs_diff_eq(expected, 1e-7), "{shape:?}");
+        assert!(shape.pose.position.abs_diff_eq(place, 1e-7), "{shape:?}");
+        assert!(turn(&shape).dot(axes).abs() > 1.0 - 1e-9, "{shape:?}");
+    }
+}
+
 /// Whatever meshes become, which here are to stay names.
 #[test]
 fn files_are_read_to_be_fitted_to() {
