@@ -126,7 +126,10 @@ fn read_one(
     let kinds = [KINDS, OTHERS].concat();
     let classes = context.defaults.classes(element, None, &kinds)?;
     let merged = inherit(element, &classes.concat());
-    add_reflected(&merged, tree, context, report)?;
+    // What is not supported has been told already, whatever it acts on.
+    if supported || merged.has("joint") || merged.has("jointinparent") {
+        add_reflected(&merged, tree, context, report)?;
+    }
     if !supported {
         return Ok(None);
     }

@@ -41,7 +41,7 @@ fn lenient_turns_missing_physics_into_warnings() {
                </body>
              </worldbody>
              <actuator>
-               <muscle joint="j"/>
+               <muscle tendon="t" armature="1"/>
                <motor name="kept" joint="j"/>
              </actuator>
              <keyframe><key ctrl="5 7"/></keyframe>

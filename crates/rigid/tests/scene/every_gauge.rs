@@ -14,7 +14,7 @@ fn mount(body: usize) -> Mount {
 fn pairs(model: &Model) -> Vec<[ShapeId; 2]> {
     let all = 0..model.shapes.len();
     let pairs = all.flat_map(|b| (0..b).map(move |a| [ShapeId(a), ShapeId(b)]));
-    let turned = |(i, [a, b]): (usize, _)| if i % 3 == 2 { [b, a] } else { [a, b] };
+    let turned = |(i, [a, b]): (usize, [ShapeId; 2])| if i % 3 == 2 { [b, a] } else { [a, b] };
     pairs.enumerate().map(turned).collect()
 }
 
