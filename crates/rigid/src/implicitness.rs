@@ -53,30 +53,57 @@ pub(crate) fn implicitness(model: &Model, forest: &Forest, h: f64) -> Vec<f64> {
     springs.implicitness()
 }
 
-/// The same where joints give way for a moment, so that bodies answer as if no joint held them, and what one joint does to
-/// a body reaches its others in a later pass: late forces feed what swings, and so Θ is 1 where a body has several joints.
-pub(crate) fn implicitness_of_free(model: &Model, h: f64) -> Vec<f64> {
+/// How springs of joints act that are pushed one by one, once in a step.
+pub(crate) struct OneByOne {
+    /// Θ of each degree of freedom.
+    pub implicitness: Vec<f64>,
+    /// The largest stiffness of each [N/m or N·m/rad].
+    pub stiffest: Vec<f64>,
+}
+
+/// The same for joints that are pushed one by one, once in a step, and do not hold their bodies while others are: so mⱼ is that
+/// of the two bodies by themselves, whatever is fixed to them. What a spring does gets no farther than to the next joint, and
+/// so of joints that share bodies, which fall into n parts, none is stiffer than
+///
+/// ```text
+/// h² k = ½ (mⱼ/n + armature)
+/// ```
+///
+/// With twice as much random trees are still stable, with eight times as much most are not. `shared` tells n of a joint, none
+/// where its bodies have no other.
+pub(crate) fn one_by_one(
+    model: &Model,
+    h: f64,
+    shared: impl Fn(JointId) -> Option<f64>,
+) -> OneByOne {
     let moves = |id: &BodyId| model.bodies[id.0].kind == BodyKind::Dynamic;
-    let ends = |joint: &Joint| [Some(joint.child), joint.parent].map(|end| end.filter(moves));
-    let mut held = vec![0; model.bodies.len()];
-    let holding = model.joints.iter().filter(|j| j.kind != JointKind::Free);
-    for body in holding.flat_map(ends).flatten() {
-        held[body.0] += 1;
-    }
     let mut springs = Springs::new(model, h);
-    let mut shared = Vec::new();
+    let mut stiffest = vec![f64::INFINITY; springs.stiffness.len()];
     for (i, joint) in model.joints.iter().enumerate() {
-        let dofs = model.dof_range(JointId(i));
-        if ends(joint).iter().flatten().any(|body| held[body.0] > 1) {
-            shared.extend(dofs);
-        } else if springs.any(dofs.clone()) {
-            let bodies = ends(joint).map(|end| end.map(|id| id.0));
-            springs.join(dofs, &free_inertia(model, joint), bodies);
+        let (id, dofs) = (JointId(i), model.dof_range(JointId(i)));
+        if joint.closes_loop || !springs.any(dofs.clone()) {
+            continue;
+        }
+        let ends = [joint.parent, Some(joint.child)].map(|end| end.filter(moves));
+        let forest = Forest::of_joint(model, id);
+        for node in &forest.nodes {
+            let parent = node.parent.map(|p| &forest.nodes[p]);
+            let own = node.dof..node.dof + node.dofs();
+            let least = least_inertia(node, parent);
+            springs.join(own, &least, ends.map(|end| end.map(|id| id.0)));
+        }
+        if let Some(n) = shared(id) {
+            for (v, free) in dofs.zip(free_inertia(model, joint)) {
+                let known = Some(springs.inertia[v]).filter(|m| *m > 0.0);
+                let inertia = known.unwrap_or(free) / n + springs.armature[v];
+                stiffest[v] = 0.5 * inertia / (h * h);
+            }
         }
     }
-    let mut all = springs.implicitness();
-    shared.into_iter().for_each(|v| all[v] = 1.0);
-    all
+    OneByOne {
+        implicitness: springs.implicitness(),
+        stiffest,
+    }
 }
 
 /// The springs of a model, and what they share.
@@ -85,7 +112,9 @@ struct Springs {
     /// k, and what motors reflect, of each degree of freedom.
     stiffness: Vec<f64>,
     armature: Vec<f64>,
-    /// s of each degree of freedom.
+    /// m of each degree of freedom, without armature; 0 where it is not known.
+    inertia: Vec<f64>,
+    /// s of each.
     ratio: Vec<f64>,
     /// The bodies of each.
     bodies: Vec<[Option<usize>; 2]>,
@@ -110,6 +139,7 @@ impl Springs {
             h,
             stiffness,
             armature: dofs().map(|d| d.armature).collect(),
+            inertia: vec![0.0; count],
             ratio: vec![0.0; count],
             bodies: vec![[None; 2]; count],
         }
@@ -121,6 +151,7 @@ impl Springs {
     fn join(&mut self, dofs: Range<usize>, least: &[f64], bodies: [Option<usize>; 2]) {
         for (v, m) in dofs.zip(least).filter(|(v, _)| self.stiffness[*v] > 0.0) {
             let known = if m.is_finite() { m.max(0.0) } else { 0.0 };
+            self.inertia[v] = known;
             self.ratio[v] = self.h * self.h * self.stiffness[v] / (known + self.armature[v]);
             self.bodies[v] = bodies;
         }
@@ -263,46 +294,29 @@ fn looseness(node: &Node, parent: Option<&Node>) -> f64 {
     }
 }
 
-/// mⱼ of a joint's degrees of freedom, without armature, where both bodies are free.
+/// Inertia of a joint's degrees of freedom, one by one, where the joint does not hold its bodies, either, as the model has them.
 fn free_inertia(model: &Model, joint: &Joint) -> Vec<f64> {
-    let body = |id: BodyId| Some(&model.bodies[id.0]).filter(|b| b.kind == BodyKind::Dynamic);
-    let child = body(joint.child).map(|b| (b, joint.child_frame));
-    let parent = joint.parent.and_then(body);
-    let parent = parent.map(|b| (b, joint.parent_frame));
-    let ends = || child.into_iter().chain(parent);
-    let loose: f64 = ends()
-        .map(|(b, _)| b.inertia.inverse().diagonal().element_sum())
-        .sum();
-    let response: Vec<f64> = match joint.axes[..] {
-        [axis] => vec![ends().map(|(b, frame)| response(b, frame, &axis)).sum()],
-        [] => vec![loose; joint.dofs.len()],
-        _ => {
-            let turns = joint.axes.iter().filter(|a| a.kind == AxisKind::Angular);
-            let turns: Vec<_> = turns.map(|a| a.direction).collect();
-            // A shift moves the others' arms along the parent, without end.
-            let shift = |(b, frame): (&Body, Pose)| {
-                1.0 / b.mass + b.center.distance_squared(frame.position) * loose
-            };
-            let shift = match parent {
-                Some(_) => f64::INFINITY,
-                None => ends().map(shift).sum(),
-            };
-            let mut spread = spread(&turns).into_iter();
-            let mut turn = || match turns.len() {
-                3 => f64::INFINITY,
-                _ => spread.next().map_or(f64::INFINITY, |g| g * loose),
-            };
-            let of = |axis: &Axis| match axis.kind {
-                AxisKind::Angular => turn(),
-                AxisKind::Linear => shift,
-            };
-            joint.axes.iter().map(of).collect()
-        }
+    let end = |id: BodyId, frame: Pose| {
+        let body = &model.bodies[id.0];
+        (body.kind == BodyKind::Dynamic).then_some((body, frame))
     };
-    response.into_iter().map(f64::recip).collect()
+    let parent = joint.parent.and_then(|id| end(id, joint.parent_frame));
+    let ends = || {
+        end(joint.child, joint.child_frame)
+            .into_iter()
+            .chain(parent)
+    };
+    let all = |axis: &Axis| -> f64 { ends().map(|(b, frame)| response(b, frame, axis)).sum() };
+    let each = |axis: fn(DVec3) -> Axis| [DVec3::X, DVec3::Y, DVec3::Z].map(axis);
+    let axes = match joint.kind {
+        JointKind::Ball => each(Axis::angular).to_vec(),
+        JointKind::Free => [each(Axis::linear), each(Axis::angular)].concat(),
+        _ => joint.axes.clone(),
+    };
+    axes.iter().map(|axis| 1.0 / all(axis)).collect()
 }
 
-/// Change of the rate along a joint's only axis by a unit impulse on one of its bodies, that joint's frame in it.
+/// Change of the rate along an axis by a unit impulse on one of a joint's bodies, the joint's frame in it.
 fn response(body: &Body, frame: Pose, axis: &Axis) -> f64 {
     let direction = frame.orientation * axis.direction;
     match axis.kind {
@@ -326,20 +340,18 @@ mod tests {
         object.body(name).inertia(mass, center, moments).handle()
     }
 
-    /// The inertia along the only spring of bodies of 2 and 3 kg: with h = 1 s that is k/s, and s = 1/(1 − Θ). `free` joints
-    /// give way.
-    fn inertia_of_one(free: bool, join: impl Fn(&mut Object, [model::BodyHandle; 2])) -> f64 {
+    /// The inertia along the only spring of bodies of 2 and 3 kg: with h = 1 s that is k/s, and s = 1/(1 − Θ).
+    fn inertia_of_one(join: impl Fn(&mut Object, [model::BodyHandle; 2])) -> f64 {
         let mut world = Builder::new("spring");
         let object = world.object("");
         let first = body(object, "first", 2.0, DVec3::new(0.1, 0.2, 0.0));
         let second = body(object, "second", 3.0, DVec3::new(-0.3, 0.1, 0.4));
         join(object, [first, second]);
         let model = world.build().unwrap();
-        let all = if free {
-            implicitness_of_free(&model, 1.0)
-        } else {
-            implicitness(&model, &Forest::new(&model), 1.0)
-        };
+        let all = implicitness(&model, &Forest::new(&model), 1.0);
+        let alone = one_by_one(&model, 1.0, |_| None);
+        assert_eq!(alone.implicitness, all);
+        assert!(alone.stiffest.iter().all(|k| *k == f64::INFINITY));
         let least = all.into_iter().filter(|x| *x > 0.0).fold(1.0, f64::min);
         STIFF * (1.0 - least)
     }
@@ -352,28 +364,24 @@ mod tests {
         joint.spring(STIFF, 0.0)
     }
 
-    /// I + m r² on a hinge that holds, I on one that gives way; both with the armature.
+    /// I + m r², and the armature.
     #[test]
     fn a_pendulum_has_its_inertia_about_the_hinge() {
-        for (free, expected) in [(false, 1.5 + 3.0 * 0.1), (true, 1.5)] {
-            let found = inertia_of_one(free, |object, [_, second]| {
-                spring(object.revolute("hinge", second, DVec3::Z)).armature(0.25);
-            });
-            close(found, expected + 0.25);
-        }
+        let found = inertia_of_one(|object, [_, second]| {
+            spring(object.revolute("hinge", second, DVec3::Z)).armature(0.25);
+        });
+        close(found, 1.5 + 3.0 * 0.1 + 0.25);
     }
 
     /// I₁ I₂/(I₁ + I₂) of wheels on one shaft.
     #[test]
     fn wheels_on_a_shaft_have_their_reduced_inertia() {
-        for free in [false, true] {
-            let found = inertia_of_one(free, |object, [first, second]| {
-                let frames = [DVec3::new(0.1, 0.2, 0.0), DVec3::new(-0.3, 0.1, 0.4)].map(Pose::at);
-                let joint = object.revolute("shaft", second, DVec3::Z);
-                spring(joint).parent(first).frames(frames[0], frames[1]);
-            });
-            close(found, 1.0 * 1.5 / (1.0 + 1.5));
-        }
+        let found = inertia_of_one(|object, [first, second]| {
+            let frames = [DVec3::new(0.1, 0.2, 0.0), DVec3::new(-0.3, 0.1, 0.4)].map(Pose::at);
+            let joint = object.revolute("shaft", second, DVec3::Z);
+            spring(joint).parent(first).frames(frames[0], frames[1]);
+        });
+        close(found, 1.0 * 1.5 / (1.0 + 1.5));
     }
 
     /// μ I/(I + μ r²) of bodies on a slide that passes by their centres at r, both turning together with I = I₁ + I₂.
@@ -385,7 +393,7 @@ mod tests {
         let push = across.cross(DVec3::X);
         let together = DMat3::from_diagonal(moments) + steiner(reduced, across);
         let turned = push.dot(together.inverse() * push);
-        let found = inertia_of_one(false, |object, [first, second]| {
+        let found = inertia_of_one(|object, [first, second]| {
             let joint = object.prismatic("slide", second, DVec3::X);
             spring(joint).parent(first);
         });
@@ -396,15 +404,36 @@ mod tests {
     #[test]
     fn axes_in_turn_have_what_is_left_of_them_together() {
         let stack = |count: usize| {
-            inertia_of_one(true, |object, [_, second]| {
+            inertia_of_one(|object, [_, second]| {
                 let axes = [DVec3::X, DVec3::Y, DVec3::Z].map(Axis::angular);
                 spring(object.d6("stack", second, &axes[..count]));
             })
         };
-        let loose = 1.0 / 0.9 + 1.0 / 1.2 + 1.0 / 1.5;
+        let about = DMat3::from_diagonal(DVec3::new(0.9, 1.2, 1.5));
+        let pinned = about + steiner(3.0, DVec3::new(-0.3, 0.1, 0.4));
+        let loose = pinned.inverse().diagonal().element_sum();
         // Each of two springs has half of what its body bears.
         close(stack(2), 1.0 / loose * 0.5);
         assert_eq!(stack(3), 0.0);
+    }
+
+    /// Two pendulums, the second fixed to a plate: only its own mass is near enough, in two parts; so are all three turns.
+    #[test]
+    fn joints_that_share_a_body_are_as_stiff_as_it_bears() {
+        let mut world = Builder::new("spring");
+        let object = world.object("");
+        let first = body(object, "first", 2.0, DVec3::ZERO);
+        let second = body(object, "second", 3.0, DVec3::new(-0.3, 0.1, 0.4));
+        let plate = body(object, "plate", 50.0, DVec3::ZERO);
+        let turns = [DVec3::X, DVec3::Y, DVec3::Z].map(Axis::angular);
+        spring(object.d6("stack", first, &turns));
+        spring(object.revolute("hinge", second, DVec3::Z)).armature(0.25);
+        object.fixed("bolt", plate).parent(second);
+        let model = world.build().unwrap();
+        let found = one_by_one(&model, 0.1, |_| Some(2.0)).stiffest;
+        for (found, inertia) in found.into_iter().zip([0.3, 0.4, 0.5, 0.9 + 0.25]) {
+            close(found, 0.5 * inertia / 0.01);
+        }
     }
 
     #[test]

@@ -180,6 +180,29 @@ fn what_acts_along_an_axis_is_balanced_exactly() {
     }
 }
 
+/// What acts along an axis sees of bodies that a hinge does not quite hold how far its own push has moved them: the way of all
+/// that it pushes, along that push.
+#[test]
+fn what_acts_sees_the_way_that_its_push_goes() {
+    let t = JointTables::new();
+    for i in 0..ROWS {
+        let mut lane = Lane::new([0.0, 1.0, 1.0, 1.0, 1.0, 1.0]);
+        lane.links[axis_link::ACTS] = 1;
+        lane.relax(0.0);
+        let way = 1e-6;
+        let turns = if i < 3 { row::TURN } else { row::SHIFT };
+        lane.scratch[PLACED + turns + i % 3] = way;
+        let push = &lane.state[t.axis.at(0, axis::WRENCH)..][..ROWS];
+        let at = |first: usize| DVec3::from_slice(&push[first..]);
+        // Impulses on B at its anchor, and so about its centre.
+        let about = at(0) + (ANCHOR - CENTERS[1]).cross(at(3));
+        let along = [about, at(3)][i / 3][i % 3] * way;
+        lane.relax(0.0);
+        let seen = lane.state[t.axis.at(0, axis::VALUE)];
+        assert!((seen - along).abs() < 1e-5 * way, "{i}: {seen} {along}");
+    }
+}
+
 /// What is geared to three axes of a ball, with far more inertia than the body, is solved as one: after each relaxation the
 /// impulses along all of them are λ = −m (v − v₀) of the speeds v that all have in the end, and so after one that pushes
 /// nothing.

@@ -29,7 +29,9 @@ use crate::output::OutputTables;
 use crate::tables::Filler;
 use crate::{InputTables, Integrator, Settings, SolverError};
 use glam::{DMat3, DQuat, DVec3};
-use model::{Axis, AxisKind, Body, BodyId, Joint, JointId, JointKind, Model, Pose, ShapeId};
+use model::{
+    Axis, AxisKind, Body, BodyId, BodyKind, Joint, JointId, JointKind, Model, Pose, ShapeId,
+};
 use numbers::Table;
 use numbers::machine::Links;
 use numbers::machine::space::{Parameter, Scratch, State};
@@ -467,18 +469,22 @@ fn along_limbs(forest: &Forest, children: &[Vec<usize>]) -> Vec<usize> {
 }
 
 impl Forest {
-    pub fn new(model: &Model) -> Self {
+    fn empty(model: &Model) -> Self {
         let world = Seat {
             node: None,
             place: Pose::IDENTITY,
         };
-        let mut forest = Self {
+        Self {
             nodes: Vec::new(),
             bases: vec![Pose::IDENTITY],
             seats: vec![world; model.bodies.len()],
             masses: Vec::new(),
             rows: vec![0; model.bodies.len()],
-        };
+        }
+    }
+
+    pub fn new(model: &Model) -> Self {
+        let mut forest = Self::empty(model);
         for (row, &id) in model.order().iter().enumerate() {
             forest.rows[id.0] = row;
             forest.seats[id.0] = forest.seat(model, id);
@@ -491,6 +497,35 @@ impl Forest {
         forest.masses = vec![0.0; forest.bases.len()];
         for node in &forest.nodes {
             forest.masses[node.tree] += node.mass;
+        }
+        forest
+    }
+
+    /// The bodies of one joint of the tree by themselves, its parent free.
+    pub fn of_joint(model: &Model, id: JointId) -> Self {
+        let mut forest = Self::empty(model);
+        let Joint { parent, child, .. } = model.joints[id.0];
+        if let Some(parent) = parent {
+            let body = &model.bodies[parent.0];
+            let place = Pose::IDENTITY;
+            forest.seats[parent.0] = match body.kind {
+                BodyKind::Dynamic => {
+                    let n = forest.push(None, place, Vec::new());
+                    forest.nodes[n].weld(body, place);
+                    Seat {
+                        node: Some(n),
+                        place,
+                    }
+                }
+                BodyKind::Static => Seat {
+                    node: None,
+                    place: body.pose,
+                },
+            };
+        }
+        let Seat { node, place } = forest.seat(model, child);
+        if let Some(n) = node {
+            forest.nodes[n].weld(&model.bodies[child.0], place);
         }
         forest
     }
@@ -743,7 +778,7 @@ impl Forest {
                 self.bases.len() - 1
             }
         };
-        let dof = motions[0].dof;
+        let dof = motions.first().map_or(0, |motion| motion.dof);
         self.nodes.push(Node {
             parent,
             tree,

@@ -50,7 +50,7 @@ fn direction(random: &mut Rng) -> DVec3 {
 }
 
 /// A tree of bodies on springs, of masses, sizes and stiffnesses that differ by decades, on the world or free.
-fn tree(random: &mut Rng) -> Model {
+fn tree(random: &mut Rng, [softest, stiffest]: [f64; 2]) -> Model {
     let mut world = Builder::new("tree");
     world.gravity(DVec3::ZERO);
     let object = world.object("");
@@ -76,7 +76,7 @@ fn tree(random: &mut Rng) -> Model {
             1 => object.d6(name, body, &[Axis::angular(axis), Axis::angular(across)]),
             _ => object.revolute(name, body, axis),
         };
-        joint.spring(decades(random, 1e-2, 1e9), 0.0);
+        joint.spring(decades(random, softest, stiffest), 0.0);
         if !bodies.is_empty() && random.usize(0..5) > 0 {
             joint.parent(bodies[random.usize(0..bodies.len())]);
         }
@@ -86,28 +86,56 @@ fn tree(random: &mut Rng) -> Model {
     world.build().unwrap()
 }
 
+/// The last energy, and the most, of a tree that begins at its initial place with random speeds, in 4 s, as shares of what it
+/// begins with.
+fn energies(model: &Model, method: Method, random: &mut Rng) -> [f64; 2] {
+    let n = model.degrees_of_freedom();
+    let speeds: Vec<_> = (0..n).map(|_| within(random, -1.0, 1.0)).collect();
+    let mut simulation = method.simulate::<f64>(model, 2e-3);
+    let place = model.initial_position();
+    simulation.set_joint_state(0, &place, &speeds).unwrap();
+    let before = simulation.outputs().energy(0);
+    let shares = (0..100).map(|_| {
+        simulation.step(20);
+        simulation.outputs().energy(0) / before
+    });
+    shares.fold([0.0; 2], |[_, most], share| [share, f64::max(most, share)])
+}
+
 /// Stable however stiff: what a tree is given, it never has much more of. What steps keep is the energy with up to half as much
-/// more or less where ω h = 1, and so energy itself is at most (1 + ½)/(1 − ½) of what it was. By `impulse`, which pushes joints
-/// one by one, some of these trees fly apart, whatever Θ.
+/// more or less where ω h = 1, and so energy itself is at most (1 + ½)/(1 − ½) of what it was.
 #[test]
 fn no_spring_is_too_stiff() {
     let mut random = Rng::with_seed(7);
+    let mut bad = Vec::new();
     for case in 0..300 {
-        let model = tree(&mut random);
-        let n = model.degrees_of_freedom();
-        let speeds: Vec<_> = (0..n).map(|_| within(&mut random, -1.0, 1.0)).collect();
-        for method in [EULER, XPBD] {
-            let mut simulation = method.simulate::<f64>(&model, 2e-3);
-            let place = model.initial_position();
-            simulation.set_joint_state(0, &place, &speeds).unwrap();
-            let before = simulation.outputs().energy(0);
-            let mut most: f64 = 0.0;
-            for _ in 0..100 {
-                simulation.step(20);
-                most = most.max(simulation.outputs().energy(0));
+        let model = tree(&mut random, [1e-2, 1e9]);
+        for method in [EULER, XPBD, Method::Impulse(8)] {
+            let [_, most] = energies(&model, method, &mut random);
+            if most > 3.0 {
+                bad.push((case, method, most));
             }
-            let share = most / before;
-            assert!(share <= 3.0, "{case} {method:?}: {share}");
         }
     }
+    assert!(bad.is_empty(), "{}: {bad:?}", bad.len());
+}
+
+/// `impulse` pushes joints one by one, and yet what swings on several of them goes on: steps resolve these springs. What locks
+/// yield is made up for with a loss.
+#[test]
+fn joints_that_share_a_body_keep_what_swings() {
+    let mut random = Rng::with_seed(11);
+    let mut lost = Vec::new();
+    let mut bad = Vec::new();
+    for case in 0..100 {
+        let model = tree(&mut random, [10.0, 1e3]);
+        let [last, most] = energies(&model, Method::Impulse(8), &mut random);
+        lost.push(1.0 - last);
+        if most > 1.1 {
+            bad.push((case, most));
+        }
+    }
+    lost.sort_by(f64::total_cmp);
+    eprintln!("lost {lost:?}");
+    assert!(bad.is_empty(), "{}: {bad:?}", bad.len());
 }

@@ -7,7 +7,7 @@ use super::tables::{LAWS, ROWS, joint};
 use super::tied::{Constants, sources};
 use crate::SolverError;
 use crate::check;
-use crate::implicitness::implicitness_of_free;
+use crate::implicitness::one_by_one;
 use crate::locks::pace;
 use crate::output::reaction;
 use crate::tables::{Filler, actuator_numbers, ball_target, bounded, frame};
@@ -42,7 +42,9 @@ pub(super) mod dof {
     pub const DRIVE: usize = 11;
     /// (1 − Θ) h [s]: see [`law`](super::super::law).
     pub const EARLY: usize = 15;
-    pub const WIDTH: usize = 16;
+    /// All stiffness that acts at most [N/m or N·m/rad].
+    pub const STIFFEST: usize = 16;
+    pub const WIDTH: usize = 17;
 }
 
 /// Numbers that a joint carries from step to step: its fields from the targets to the sums.
@@ -72,8 +74,8 @@ pub(in super::super) struct Tie {
     /// Whether it does anything.
     pub solved: bool,
     pub(super) ball: bool,
-    /// By how much more the bodies respond: see [`SHARED`].
-    shares: [f64; 2],
+    /// How many joints each of its bodies has; the world none.
+    joints: [f64; 2],
     locked: [bool; ROWS],
     pub(super) freedoms: [Option<Freedom>; ROWS],
     pub(super) sources: Sources,
@@ -132,7 +134,7 @@ impl Ties {
         let list: Vec<_> = tied
             .map(|id| Tie::new(model, id, rows))
             .collect::<Result<_, _>>()?;
-        let list = share(list, rows.len());
+        let list = count(list, rows.len());
         let targets = list.iter().map(|tie| tie.targets(model)).collect();
         Ok(Self {
             constants: Table::place(parameters, list.len()),
@@ -156,7 +158,11 @@ impl Ties {
     /// Writes the constants, for small steps of length `h` [s]; `inner` is the model's frame in each body's own, or in the
     /// world.
     pub fn fill(&self, model: &Model, inner: &[Pose], h: f64, f: &mut Filler) {
-        let implicit = implicitness_of_free(model, h);
+        let shared = |id| {
+            let found = self.list.binary_search_by_key(&id, |tie| tie.joint);
+            found.ok().and_then(|i| self.list[i].shared())
+        };
+        let springs = one_by_one(model, h, shared);
         for (i, tie) in self.list.iter().enumerate() {
             let joint = &model.joints[tie.joint.0];
             f.numbers(self.constants, i, 0, &tie.constants(joint, inner));
@@ -168,8 +174,9 @@ impl Ties {
                     let reference = joint.axes.get(own).map_or(0.0, |axis| axis.reference);
                     let numbers = dof_numbers(&joint.dofs[own], reference);
                     f.numbers(self.dofs, ROWS * i + row, 0, &numbers);
-                    let early = (1.0 - implicit[freedom.dof]) * h;
-                    f.number(self.dofs, ROWS * i + row, dof::EARLY, early);
+                    let early = (1.0 - springs.implicitness[freedom.dof]) * h;
+                    let limits = [early, springs.stiffest[freedom.dof]];
+                    f.numbers(self.dofs, ROWS * i + row, dof::EARLY, &limits);
                 }
             }
         }
@@ -238,7 +245,7 @@ impl Tie {
             rows: [joint.parent, Some(joint.child)].map(|body| body.map_or(WORLD, |b| rows[b.0])),
             solved: joint.enabled,
             ball: turning,
-            shares: [1.0; 2],
+            joints: [0.0; 2],
             locked: std::array::from_fn(locks),
             freedoms: [const { None }; ROWS],
             sources: Sources::default(),
@@ -258,6 +265,18 @@ impl Tie {
         }
         tie.sources = sources(&tie.freedoms);
         Ok(tie)
+    }
+
+    /// By how much more the bodies respond: see [`SHARED`].
+    fn shares(&self) -> [f64; 2] {
+        self.joints.map(|count| f64::max(count / SHARED, 1.0))
+    }
+
+    /// The larger of these, where a body has other joints.
+    fn shared(&self) -> Option<f64> {
+        let [a, b] = self.shares();
+        let others = self.joints.iter().any(|count| *count > 1.0);
+        others.then_some(a.max(b))
     }
 
     /// Which of the joint's own degrees of freedom each row is.
@@ -326,25 +345,24 @@ impl Tie {
             &[f64::from(u8::from(angular.len() == 3)), length],
         );
         put(joint::BALL, &[f64::from(u8::from(self.ball))]);
-        put(joint::SHARES, &self.shares);
+        put(joint::SHARES, &self.shares());
         let slow = if joint.closes_loop { SLOW } else { [0.0; 2] };
         put(joint::SLOW, &slow);
         x
     }
 }
 
-/// Tells each joint how many others its bodies have.
-fn share(mut list: Vec<Tie>, bodies: usize) -> Vec<Tie> {
+/// Tells each joint how many its bodies have.
+fn count(mut list: Vec<Tie>, bodies: usize) -> Vec<Tie> {
     let mut joints = vec![0.0; bodies + 1];
     for tie in list.iter().filter(|tie| tie.solved) {
         for row in tie.rows {
             joints[row as usize] += 1.0;
         }
     }
+    joints[WORLD as usize] = 0.0;
     for tie in &mut list {
-        tie.shares = tie
-            .rows
-            .map(|row| f64::max(joints[row as usize] / SHARED, 1.0));
+        tie.joints = tie.rows.map(|row| joints[row as usize]);
     }
     list
 }
@@ -539,8 +557,9 @@ impl Impulse {
             let numbers = freedom.as_ref().map_or([0.0; passive::WIDTH], |freedom| {
                 let spring = [dof::STIFFNESS, dof::REST, dof::ARMATURE];
                 let [stiffness, rest, armature] = spring.map(|i| x[i]);
+                let acts = given.stiffness_that_acts(freedom, &x) * stiffness;
                 let turns = f64::from(u8::from(freedom.turns));
-                [x[dof::REFERENCE], stiffness, rest, armature, turns]
+                [x[dof::REFERENCE], acts, rest, armature, turns]
             });
             numbers.into_iter().for_each(&mut give);
         }

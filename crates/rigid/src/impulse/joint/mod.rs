@@ -23,7 +23,15 @@
 //! w_i = e_i − K_LL⁻¹ K_Li,    K_i w_i the response of its rate
 //! ```
 //!
-//! and what acts along it is balanced exactly (`law`), and holds on to that when relaxing. A gap of a loop, which may be
+//! and what acts along it is balanced exactly (`law`), and holds on to that when relaxing. That push moves the locks, too,
+//! where others make them give way, and so what acts sees the coordinate that w_i does work on,
+//!
+//! ```text
+//! θ̃_i = w_i · (θ, c) = θ_i − K_iL K_LL⁻¹ c
+//! ```
+//!
+//! Springs of θ_i itself take from bodies with long arms, of which an error of the locks turns the whole, work that they never
+//! store: what swings on several of them grows without end. A gap of a loop, which may be
 //! wide when a world begins, closes no faster than at a pace: β c within 1 m/s, as by `featherstone`.
 //!
 //! Where several rows are acted along, a push drags with it what is passive along the others, where an impulse falls with
@@ -260,7 +268,7 @@ pub fn place<M: Machine>(k: &mut M, t: &JointTables) {
     let locked = k.spatial(t.joint, only, joint::LOCKED);
     let off = times(Spatial::new(turned, shifted), locked);
     k.store_spatial(t.joint, only, joint::ERROR, off);
-    respond(k, t, gradients, shifts, [ra, rb]);
+    respond(k, t, (gradients, shifts), [ra, rb], off);
 }
 
 /// The linear axes, and how far B's anchor is along them.
@@ -344,14 +352,15 @@ fn dual<R: Real>(m: Mat3<R>) -> Mat3<R> {
     Mat3::from_columns(x * inverse, y * inverse, z * inverse)
 }
 
-/// How the rows respond to impulses along them, and what the locks make of those along the others.
+/// How the rows respond to impulses along them, and what the locks, which are `off` so far, make of those along the others;
+/// and where these stand for what acts along them.
 #[inline(always)]
 fn respond<M: Machine>(
     k: &mut M,
     t: &JointTables,
-    gradients: Mat3<M::R>,
-    shifts: Mat3<M::R>,
+    (gradients, shifts): (Mat3<M::R>, Mat3<M::R>),
     [ra, rb]: [Vec3<M::R>; 2],
+    off: Spatial<M::R>,
 ) {
     let (only, a, b) = (k.index(0), k.index(0), k.index(1));
     let masses = [
@@ -392,6 +401,8 @@ fn respond<M: Machine>(
             let own = k.load(t.axis, i, axis::RESPONSE);
             let wrench = k.spatial(t.axis, i, axis::WRENCH);
             let held = block.solve(times(column, locked), M::R::lit(TINY));
+            let value = k.load(t.axis, i, axis::VALUE) - held.dot(off);
+            k.store(t.axis, i, axis::VALUE, value);
             let back = Spatial::new(gradients * held.angular, shifts * held.linear);
             k.store(t.axis, i, axis::RESPONSE, own - column.dot(held));
             k.store_spatial(t.axis, i, axis::WRENCH, wrench - back);

@@ -121,10 +121,27 @@ impl<T: Float> Constants<'_, T> {
         let at = self.ties.motors.at(i, 0);
         std::array::from_fn(|field| self.parameters[at + field].to_f64())
     }
+    /// The share of the stiffness along a row that acts.
+    pub fn stiffness_that_acts(&self, freedom: &Freedom, x: &[f64; dof::WIDTH]) -> f64 {
+        let drive = if freedom.driven { x[dof::DRIVE] } else { 0.0 };
+        let motors = freedom.motors.iter().map(|&(i, _)| self.pulls(i));
+        let all = x[dof::STIFFNESS] + drive + motors.sum::<f64>();
+        if all > x[dof::STIFFEST] {
+            x[dof::STIFFEST] / all
+        } else {
+            1.0
+        }
+    }
+    /// Stiffness of an actuator.
+    fn pulls(&self, i: usize) -> f64 {
+        let [gear, _, _, b1, ..] = self.motor(i);
+        -b1 * gear * gear
+    }
     /// What acts along a row.
     fn forces(&self, freedom: &Freedom, x: &[f64; dof::WIDTH]) -> Forces {
+        let acts = self.stiffness_that_acts(freedom, x);
         let reference = x[dof::REFERENCE];
-        let stiffness = x[dof::STIFFNESS];
+        let stiffness = acts * x[dof::STIFFNESS];
         let force = stiffness * (x[dof::REST] - reference);
         let damping = x[dof::DAMPING] - x[dof::EARLY] * stiffness;
         let mut forces = Forces {
@@ -134,6 +151,7 @@ impl<T: Float> Constants<'_, T> {
         };
         if freedom.driven {
             let [k, d, effort] = [0, 1, 2].map(|i| x[dof::DRIVE + i]);
+            let k = acts * k;
             // Its rest follows the target.
             forces.bounded([k, d - x[dof::EARLY] * k, 0.0], [-effort, effort]);
         }
@@ -147,8 +165,8 @@ impl<T: Float> Constants<'_, T> {
             forces.bounded([0.0, STEEP * most, 0.0], [-most, most]);
         }
         for &(i, limited) in &freedom.motors {
-            let [gear, _, _, b1, b2, _, _, least, most] = self.motor(i);
-            let (k, d) = (-b1 * gear * gear, -b2 * gear * gear);
+            let [gear, _, _, _, b2, _, _, least, most] = self.motor(i);
+            let (k, d) = (acts * self.pulls(i), -b2 * gear * gear);
             let d = d - x[dof::EARLY] * k;
             if limited {
                 let (a, b) = (gear * least, gear * most);
@@ -171,8 +189,13 @@ impl<T: Float> Constants<'_, T> {
                 [0.0, 0.0, 0.0, 0.0, 0.0, damping]
             }
             Source::Actuator(i) => {
-                let [gear, gain, bias, _, _, low, high, ..] = self.motor(i);
-                [gear, gain, bias, low, high, 0.0]
+                let [gear, gain, bias, pulls, _, low, high, ..] = self.motor(i);
+                let freedom = self.ties.list[tie].freedoms[row].as_ref();
+                // What a servo that pulls less goes to is what it was.
+                let acts = freedom.filter(|_| pulls != 0.0).map_or(1.0, |freedom| {
+                    self.stiffness_that_acts(freedom, &self.dof(tie, row))
+                });
+                [gear, acts * gain, acts * bias, low, high, 0.0]
             }
         }
     }
