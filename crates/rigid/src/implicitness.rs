@@ -28,13 +28,19 @@
 
 use crate::featherstone::tables::{Forest, Node, is_rigid, motion, steiner};
 use glam::{DMat3, DQuat, DVec3};
-use model::{Axis, AxisKind, Body, BodyId, BodyKind, Joint, JointId, JointKind, Model, Pose};
+use model::{
+    Axis, AxisKind, Body, BodyId, BodyKind, Joint, JointId, JointKind, MassProperties, Model, Pose,
+};
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 use std::ops::Range;
 
 /// Where a turn is looked for the least inertia.
-const TURNS: u32 = 16;
+const TURNS: usize = 16;
+/// How often what holds it is cut by the golden section: to 10⁻⁴ rad.
+const CUTS: usize = 20;
+/// What is left of an inertia by rounding, as a share.
+const ROUNDING: f64 = 1e-12;
 
 /// Θ of each degree of freedom in steps of `h` [s] of solvers in which joints do not give way; 1 in models whose joints do.
 pub(crate) fn implicitness(model: &Model, forest: &Forest, h: f64) -> Vec<f64> {
@@ -45,8 +51,7 @@ pub(crate) fn implicitness(model: &Model, forest: &Forest, h: f64) -> Vec<f64> {
     for (n, node) in forest.nodes.iter().enumerate() {
         let dofs = node.dof..node.dof + node.dofs();
         if springs.any(dofs.clone()) {
-            let parent = node.parent.map(|p| &forest.nodes[p]);
-            let least = least_inertia(node, parent);
+            let least = least_inertia(node, node.parent.map(|p| &forest.nodes[p]));
             springs.join(dofs, &least, [Some(n), node.parent]);
         }
     }
@@ -81,15 +86,14 @@ pub(crate) fn one_by_one(
     let mut stiffest = vec![f64::INFINITY; springs.stiffness.len()];
     for (i, joint) in model.joints.iter().enumerate() {
         let (id, dofs) = (JointId(i), model.dof_range(JointId(i)));
-        if joint.closes_loop || !springs.any(dofs.clone()) {
+        if joint.closes_loop || !joint.enabled || !springs.any(dofs.clone()) {
             continue;
         }
         let ends = [joint.parent, Some(joint.child)].map(|end| end.filter(moves));
         let forest = Forest::of_joint(model, id);
         for node in &forest.nodes {
-            let parent = node.parent.map(|p| &forest.nodes[p]);
             let own = node.dof..node.dof + node.dofs();
-            let least = least_inertia(node, parent);
+            let least = least_inertia(node, node.parent.map(|p| &forest.nodes[p]));
             springs.join(own, &least, ends.map(|end| end.map(|id| id.0)));
         }
         if let Some(n) = shared(id) {
@@ -118,6 +122,15 @@ struct Springs {
     ratio: Vec<f64>,
     /// The bodies of each.
     bodies: Vec<[Option<usize>; 2]>,
+    /// s of all that a body has.
+    shares: HashMap<usize, Vec<f64>>,
+}
+
+/// mⱼ of a node's degrees of freedom [kg or kg·m²], without armature; zero where nothing is known.
+enum Least {
+    OfEach(Vec<f64>),
+    /// About any axis: k |ω|² of a ball is one spring.
+    OfBall(f64),
 }
 
 impl Springs {
@@ -142,28 +155,43 @@ impl Springs {
             inertia: vec![0.0; count],
             ratio: vec![0.0; count],
             bodies: vec![[None; 2]; count],
+            shares: HashMap::new(),
         }
     }
+
     fn any(&self, mut dofs: Range<usize>) -> bool {
         dofs.any(|v| self.stiffness[v] > 0.0)
     }
-    /// Tells the bodies of a joint, and the least inertia along its degrees of freedom, without armature.
-    fn join(&mut self, dofs: Range<usize>, least: &[f64], bodies: [Option<usize>; 2]) {
-        for (v, m) in dofs.zip(least).filter(|(v, _)| self.stiffness[*v] > 0.0) {
-            let known = if m.is_finite() { m.max(0.0) } else { 0.0 };
-            self.inertia[v] = known;
-            self.ratio[v] = self.h * self.h * self.stiffness[v] / (known + self.armature[v]);
-            self.bodies[v] = bodies;
+    /// Tells the bodies of a node's joint, and the least inertia along its degrees of freedom.
+    fn join(&mut self, dofs: Range<usize>, least: &Least, bodies: [Option<usize>; 2]) {
+        match least {
+            Least::OfEach(all) => {
+                for (v, m) in dofs.zip(all) {
+                    self.share(v..v + 1, *m, bodies);
+                }
+            }
+            Least::OfBall(m) => self.share(dofs, *m, bodies),
         }
     }
-    fn implicitness(&self) -> Vec<f64> {
-        let mut shares: HashMap<usize, Vec<f64>> = HashMap::new();
-        for (ratio, bodies) in self.ratio.iter().zip(&self.bodies) {
-            for body in bodies.iter().flatten() {
-                shares.entry(*body).or_default().push(*ratio);
-            }
+
+    /// Degrees of freedom that are one spring, as stiff as the stiffest of them.
+    fn share(&mut self, dofs: Range<usize>, least: f64, bodies: [Option<usize>; 2]) {
+        let ratio = |v| self.stiffness[v] / (least + self.armature[v]);
+        let ratios = dofs.clone().filter(|v| self.stiffness[*v] > 0.0).map(ratio);
+        let ratio = self.h * self.h * ratios.fold(0.0, f64::max);
+        for v in dofs {
+            self.inertia[v] = least;
+            self.ratio[v] = ratio;
+            self.bodies[v] = bodies;
         }
-        let levels: HashMap<_, _> = shares.into_iter().map(|(b, s)| (b, level(s))).collect();
+        for body in bodies.into_iter().flatten() {
+            self.shares.entry(body).or_default().push(ratio);
+        }
+    }
+
+    fn implicitness(self) -> Vec<f64> {
+        let shares = self.shares.into_iter();
+        let levels: HashMap<_, _> = shares.map(|(b, s)| (b, level(s))).collect();
         let all = self.ratio.iter().zip(&self.bodies);
         all.map(|(ratio, bodies)| {
             let levels = bodies.iter().flatten().map(|body| levels[body]);
@@ -189,28 +217,63 @@ fn level(mut ratios: Vec<f64>) -> f64 {
     f64::MAX
 }
 
-/// mⱼ of a node's degrees of freedom [kg or kg·m²], without armature; zero where nothing is known.
-fn least_inertia(node: &Node, parent: Option<&Node>) -> Vec<f64> {
+fn least_inertia(node: &Node, parent: Option<&Node>) -> Least {
     match node.motions[..] {
-        [m] if m.kind == motion::REVOLUTE => vec![about(node, parent, m.axis)],
-        [m] if m.kind == motion::PRISMATIC => vec![along(node, parent, m.axis)],
-        [m] if m.kind == motion::BALL => vec![1.0 / looseness(node, parent); 3],
-        _ => in_turn(node, parent),
+        [m] if m.kind == motion::REVOLUTE => Least::OfEach(vec![about(node, parent, m.axis)]),
+        [m] if m.kind == motion::PRISMATIC => Least::OfEach(vec![along(node, parent, m.axis)]),
+        [m] if m.kind == motion::BALL => Least::OfBall(1.0 / looseness(node, parent)),
+        _ => Least::OfEach(in_turn(node, parent)),
     }
 }
 
-/// The same for one hinge, in the worst of its turns.
+/// mⱼ of a hinge, in the worst of its turns. It dips where slender bodies come to turn about their own axes, so the lowest of
+/// some turns are looked around.
 fn about(node: &Node, parent: Option<&Node>, axis: DVec3) -> f64 {
     let speed = axis.cross(node.center);
+    let at = |turn: f64| {
+        let turn = DQuat::from_axis_angle(axis, turn);
+        inertia(node, parent, Pose::new(DVec3::ZERO, turn), axis, speed)
+    };
+    if parent.is_none() {
+        return at(0.0);
+    }
+    let step = TAU / TURNS as f64;
+    let around: [f64; TURNS] = std::array::from_fn(|i| at(step * i as f64));
+    let lowest = |i: &usize| {
+        let (before, after) = (around[(i + TURNS - 1) % TURNS], around[(i + 1) % TURNS]);
+        around[*i] <= before && around[*i] <= after
+    };
     (0..TURNS)
-        .map(|i| {
-            let turn = DQuat::from_axis_angle(axis, TAU * f64::from(i) / f64::from(TURNS));
-            inertia(node, parent, Pose::new(DVec3::ZERO, turn), axis, speed)
-        })
+        .filter(lowest)
+        .map(|i| around[i].min(dip(at, step * i as f64, step)))
         .fold(f64::INFINITY, f64::min)
 }
 
-/// The same for one slide, where both centres of mass are level: there the bodies give way most.
+/// The least that is found within `reach` of a place, by golden sections.
+fn dip(at: impl Fn(f64) -> f64, middle: f64, reach: f64) -> f64 {
+    let share = 0.5 * (5_f64.sqrt() - 1.0);
+    let (mut low, mut high) = (middle - reach, middle + reach);
+    let inner = |low: f64, high: f64| {
+        let way = share * (high - low);
+        [high - way, low + way]
+    };
+    let mut places = inner(low, high);
+    let mut found = places.map(&at);
+    for _ in 0..CUTS {
+        if found[0] < found[1] {
+            high = places[1];
+            places = inner(low, high);
+            found = [at(places[0]), found[0]];
+        } else {
+            low = places[0];
+            places = inner(low, high);
+            found = [found[1], at(places[1])];
+        }
+    }
+    found[0].min(found[1])
+}
+
+/// mⱼ of a slide, where both centres of mass are level: there the bodies give way most, or nearly so.
 fn along(node: &Node, parent: Option<&Node>, axis: DVec3) -> f64 {
     let apart = parent.map_or(0.0, |p| {
         let center = node.place.inverse().point(p.center);
@@ -239,11 +302,14 @@ fn inertia(node: &Node, parent: Option<&Node>, moved: Pose, spin: DVec3, speed: 
     let way = node.center - seen.point(parent.center);
     let momentum = own + reduced * way.cross(speed);
     let both = node.inertia + others + steiner(reduced, way);
-    spin.dot(own) + reduced * speed.length_squared() - momentum.dot(both.inverse() * momentum)
+    let held = spin.dot(own) + reduced * speed.length_squared();
+    let left = held - momentum.dot(both.inverse() * momentum);
+    // Also where a body without mass is between, and nothing can be divided by its own.
+    if left > ROUNDING * held { left } else { 0.0 }
 }
 
 /// A bound of the same for several axes in turn: two turns keep their angle, and shifts that no turn of the joint's comes
-/// before keep theirs. With Gram's matrix G of their directions, q̇ⱼ² ≤ (G⁻¹)ⱼⱼ |Σ aᵢ q̇ᵢ|².
+/// before keep theirs; a ball may come last. With Gram's matrix G of their directions, q̇ⱼ² ≤ (G⁻¹)ⱼⱼ |Σ aᵢ q̇ᵢ|².
 fn in_turn(node: &Node, parent: Option<&Node>) -> Vec<f64> {
     let of = |kind| {
         let all = node.motions.iter().filter(move |m| m.kind == kind);
@@ -253,23 +319,26 @@ fn in_turn(node: &Node, parent: Option<&Node>) -> Vec<f64> {
     let shifts_first = node.motions[..shifts.len()]
         .iter()
         .all(|m| m.kind == motion::PRISMATIC);
-    let bare = turns.len() + shifts.len() == node.motions.len();
+    let balls = of(motion::BALL).len();
+    let bare = turns.len() + shifts.len() + balls == node.motions.len();
+    let bare = bare && balls * turns.len() == 0;
     if !bare || !shifts_first || (parent.is_some() && !shifts.is_empty()) {
         return vec![0.0; node.dofs()];
     }
     let loose = looseness(node, parent);
-    let arm = if turns.is_empty() {
-        0.0
-    } else {
-        node.center.length_squared() * loose
+    let arm = match turns.len() + balls {
+        0 => 0.0,
+        _ => node.center.length_squared() * loose,
     };
     let shift = spread(&shifts).map(|g| 1.0 / (g * (1.0 / node.mass + arm)));
     let turn = match turns.len() {
+        0 => [1.0 / loose; 3],
         3 => [0.0; 3],
         _ => spread(&turns).map(|g| 1.0 / (g * loose)),
     };
     let shift = shift.into_iter().take(shifts.len());
-    shift.chain(turn.into_iter().take(turns.len())).collect()
+    let turn = turn.into_iter().take(turns.len() + 3 * balls);
+    shift.chain(turn).collect()
 }
 
 /// Diagonal of the inverse of Gram's matrix of up to three directions.
@@ -285,13 +354,23 @@ fn spread(axes: &[DVec3]) -> [f64; 3] {
 
 /// At least |ω|² of two bodies' turns against each other, for twice their kinetic energy of one.
 fn looseness(node: &Node, parent: Option<&Node>) -> f64 {
-    let free = |node: &Node| node.inertia.inverse().diagonal().element_sum();
-    let pinned = |node: &Node| node.inertia + steiner(node.mass, node.center);
     match parent {
-        Some(parent) => free(node) + free(parent),
-        None if node.motions.iter().any(|m| m.kind == motion::PRISMATIC) => free(node),
-        None => pinned(node).inverse().diagonal().element_sum(),
+        Some(parent) => looseness_of(node.inertia) + looseness_of(parent.inertia),
+        None if node.motions.iter().any(|m| m.kind == motion::PRISMATIC) => {
+            looseness_of(node.inertia)
+        }
+        None => looseness_of(node.inertia + steiner(node.mass, node.center)),
     }
+}
+
+/// The same of one body: the largest of 1/I.
+fn looseness_of(inertia: DMat3) -> f64 {
+    let body = MassProperties {
+        mass: 1.0,
+        center: DVec3::ZERO,
+        inertia,
+    };
+    1.0 / body.principal().0.min_element().max(0.0)
 }
 
 /// Inertia of a joint's degrees of freedom, one by one, where the joint does not hold its bodies, either, as the model has them.
@@ -411,9 +490,8 @@ mod tests {
         };
         let about = DMat3::from_diagonal(DVec3::new(0.9, 1.2, 1.5));
         let pinned = about + steiner(3.0, DVec3::new(-0.3, 0.1, 0.4));
-        let loose = pinned.inverse().diagonal().element_sum();
         // Each of two springs has half of what its body bears.
-        close(stack(2), 1.0 / loose * 0.5);
+        close(stack(2), 0.5 / looseness_of(pinned));
         assert_eq!(stack(3), 0.0);
     }
 
@@ -434,6 +512,75 @@ mod tests {
         for (found, inertia) in found.into_iter().zip([0.3, 0.4, 0.5, 0.9 + 0.25]) {
             close(found, 0.5 * inertia / 0.01);
         }
+    }
+
+    /// The least of a body's moments about its ball.
+    #[test]
+    fn a_ball_is_one_spring() {
+        let pinned = DMat3::from_diagonal(DVec3::new(0.9, 1.2, 1.5))
+            + steiner(3.0, DVec3::new(-0.3, 0.1, 0.4));
+        let least = MassProperties {
+            mass: 3.0,
+            center: DVec3::ZERO,
+            inertia: pinned,
+        };
+        let least = least.principal().0.min_element();
+        let found = inertia_of_one(|object, [_, second]| {
+            spring(object.ball("ball", second));
+        });
+        close(found, least);
+    }
+
+    /// A push at a frame off the centre moves that by 1/m and turns by r²/I; the axes of a free joint have no other.
+    #[test]
+    fn what_flies_has_its_mass_and_its_least_moment() {
+        let mut world = Builder::new("spring");
+        let object = world.object("");
+        let center = DVec3::new(-0.3, 0.1, 0.4);
+        let flies = body(object, "body", 3.0, center);
+        object.free("float", flies);
+        let model = world.build().unwrap();
+        let node = &Forest::new(&model).nodes[0];
+        let Least::OfEach(all) = least_inertia(node, None) else {
+            panic!("a ball alone");
+        };
+        let straight = 1.0 / (1.0 / 3.0 + center.length_squared() / 0.9);
+        for (found, expected) in all.into_iter().zip([[straight; 3], [0.9; 3]].concat()) {
+            close(found, expected);
+        }
+    }
+
+    /// Rods on one hinge, both at θ to it: where all three lie in one plane, each turns about itself with ω/(2 cos θ) against
+    /// the other, for which it has I = m r²/2, and so both have I/(2 cos² θ) together. Elsewhere they have some m l²/12.
+    #[test]
+    fn slender_rods_are_met_where_they_turn_about_themselves() {
+        let (m, l, r, tilt) = (1.0, 1.0, 0.01, 1.26_f64);
+        let (thin, long) = (0.5 * m * r * r, m * l * l / 12.0);
+        let rod = |turn: f64| {
+            let turn = DQuat::from_rotation_z(turn) * DQuat::from_rotation_x(tilt);
+            let turn = DMat3::from_quat(turn);
+            turn * DMat3::from_diagonal(DVec3::new(long, long, thin)) * turn.transpose()
+        };
+        let mut world = Builder::new("rods");
+        let object = world.object("");
+        // Midway between two of the turns that are looked at.
+        let [first, second] =
+            [("first", 0.0), ("second", 0.5 * TAU / TURNS as f64)].map(|(name, turn)| {
+                object
+                    .body(name)
+                    .inertia(m, DVec3::ZERO, rod(turn))
+                    .handle()
+            });
+        object.free("float", first);
+        object.revolute("hinge", second, DVec3::Z).parent(first);
+        let model = world.build().unwrap();
+        let forest = Forest::new(&model);
+        let node = forest.nodes.iter().find(|node| node.parent.is_some());
+        let node = node.unwrap();
+        let parent = node.parent.map(|p| &forest.nodes[p]);
+        let found = about(node, parent, DVec3::Z);
+        let expected = thin / (2.0 * tilt.cos() * tilt.cos());
+        assert!((found / expected - 1.0).abs() < 0.01, "{found} {expected}");
     }
 
     #[test]

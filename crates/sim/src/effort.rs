@@ -6,10 +6,10 @@
 //! actuator   gear · clamp(gain · u + bias₀ + bias₁ l + bias₂ l̇, force range),   l = gear · q
 //! ```
 //!
-//! These are the laws of [`model::Drive`] and [`model::Actuator`] at the present state. A solver takes
-//! them at the end of its step, which is this state: where nothing has been set since, they are what acted
-//! in the last substep; but for drives that follow their targets with a lag ([`model::Drive::control_time`]), which only a
-//! solver knows: here they are taken to be there.
+//! These are the laws of [`model::Drive`] and [`model::Actuator`] at the present state. A solver takes what damps at the end of
+//! its step, which is this state, and springs at a share of the way there (`docs/concepts/solvers.md`, Springs): what acted
+//! in the last substep differs by up to h k q̇. Drives that follow their targets with a lag
+//! ([`model::Drive::control_time`]), which only a solver knows, are taken to be there.
 
 use crate::{Outputs, Simulation};
 use glam::{DQuat, DVec3};

@@ -49,7 +49,8 @@ use tables::{NAME, Scope};
 /// How a step advances the state; see [`integrate`](self).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Integrator {
-    /// First order, symplectic, with springs, dampers, drives and limits taken implicitly.
+    /// First order, symplectic; dampers and limits are taken implicitly, and springs, drives and servos as far as they are too
+    /// stiff for the step.
     #[default]
     SemiImplicitEuler,
     /// First order; gains energy. A teaching baseline.

@@ -34,7 +34,7 @@
 //! - Free flight conserves angular momentum and turns by the midpoint rate; what joints, couplings
 //!   and loops push conserves linear and angular momentum to rounding: see `tree`.
 //! - Forces along coordinates act on rates, at the coordinate the substep ends
-//!   with, to first order in h.
+//!   with, springs at a share of the way there, to first order in h.
 //!
 //! Limitations: first order in h, as velocities are those of half a substep before; joints that bend
 //! by a tenth of a radian and more in a substep lose energy; a joint's linear axes must come

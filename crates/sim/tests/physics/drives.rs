@@ -180,7 +180,7 @@ fn response(k: f64, d: f64, a: f64, w: f64, discrete: bool) -> (f64, f64) {
 
 /// A drive whose target swings: below, at and above resonance, after the transient has died out, the
 /// coordinate has the amplitude and the phase of the discrete solution, to rounding; those differ
-/// from the continuous ones by first order in h: by at most h ω m ω²-terms, see `bound`.
+/// from the continuous ones by first order in h, by h ω d ω of the damper alone: see `bound`.
 #[test]
 fn driven_oscillator() {
     let (k, d, a) = (50.0, 4.0, 0.3);
