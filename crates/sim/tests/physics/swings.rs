@@ -3,7 +3,7 @@
 use crate::common::*;
 use fastrand::Rng;
 use glam::{DMat3, DQuat, DVec3};
-use model::{Axis, BodyHandle, Builder, Model, Pose};
+use model::{Axis, BodyHandle, Builder, Drive, Model, Pose};
 
 /// Symplectic Euler keeps v² + ω² q² − h ω² q v, ω = √(k/m), to rounding.
 #[test]
@@ -103,39 +103,77 @@ fn energies(model: &Model, method: Method, random: &mut Rng) -> [f64; 2] {
 }
 
 /// Stable however stiff: what a tree is given, it never has much more of. What steps keep is the energy with up to half as much
-/// more or less where ω h = 1, and so energy itself is at most (1 + ½)/(1 − ½) of what it was.
+/// more or less where ω h = 1, and so energy itself is at most (1 + ½)/(1 − ½) of what it was. By `impulse`, which pushes joints
+/// one by one, what springs that are stiff for a small step have not yet passed on is more for a moment.
 #[test]
 fn no_spring_is_too_stiff() {
     let mut random = Rng::with_seed(7);
-    let mut bad = Vec::new();
     for case in 0..300 {
         let model = tree(&mut random, [1e-2, 1e9]);
-        for method in [EULER, XPBD, Method::Impulse(8)] {
-            let [_, most] = energies(&model, method, &mut random);
-            if most > 3.0 {
-                bad.push((case, method, most));
-            }
+        for (method, bound) in [(EULER, 3.0), (XPBD, 3.0), (Method::Impulse(8), 5.0)] {
+            let [last, most] = energies(&model, method, &mut random);
+            let name = format!("{case} {method:?}: {last} {most}");
+            assert!(last <= 3.0 && most <= bound, "{name}");
         }
     }
-    assert!(bad.is_empty(), "{}: {bad:?}", bad.len());
 }
 
-/// `impulse` pushes joints one by one, and yet what swings on several of them goes on: steps resolve these springs. What locks
-/// yield is made up for with a loss.
+/// Joints that share a body are pushed one by one, and yet what swings on them goes on, and is fed nothing.
 #[test]
 fn joints_that_share_a_body_keep_what_swings() {
     let mut random = Rng::with_seed(11);
-    let mut lost = Vec::new();
-    let mut bad = Vec::new();
+    let mut kept = Vec::new();
     for case in 0..100 {
         let model = tree(&mut random, [10.0, 1e3]);
         let [last, most] = energies(&model, Method::Impulse(8), &mut random);
-        lost.push(1.0 - last);
-        if most > 1.1 {
-            bad.push((case, most));
-        }
+        assert!(most <= 1.1, "{case}: {most}");
+        kept.push(last);
     }
-    lost.sort_by(f64::total_cmp);
-    eprintln!("lost {lost:?}");
-    assert!(bad.is_empty(), "{}: {bad:?}", bad.len());
+    kept.sort_by(f64::total_cmp);
+    // What small steps do not resolve comes to rest.
+    assert!(kept[15] > 0.9, "{kept:?}");
+}
+
+/// Two links held out level by a drive each: they come to rest where the drives' stiffness says, or where that is more than a
+/// small step resolves, where the largest would hold them that it does.
+#[test]
+fn drives_hold_loads_as_stiffly_as_they_say() {
+    let (mass, length, h) = (2.0, 0.3, 2e-3);
+    let moment = mass * length * length / 12.0;
+    for (steps, stiffness) in [(1, 500.0), (8, 500.0), (8, 3e4), (8, 1e9)] {
+        let mut world = Builder::new("arm");
+        world.gravity(DVec3::Z * -9.81);
+        let object = world.object("");
+        let mut last = None;
+        for i in 0..2 {
+            let middle = DVec3::X * length * 0.5;
+            let inertia = DMat3::from_diagonal(DVec3::splat(moment));
+            let link = object.body(format!("link {i}"));
+            let link = link.inertia(mass, middle, inertia).handle();
+            let joint = object.revolute(format!("hinge {i}"), link, DVec3::Y);
+            joint.drive(Drive {
+                stiffness,
+                damping: 5.0,
+                ..Drive::default()
+            });
+            if let Some(parent) = last {
+                let at = Pose::at(DVec3::X * length);
+                joint.parent(parent).frames(at, Pose::IDENTITY);
+            }
+            last = Some(link);
+        }
+        let model = world.build().unwrap();
+        let mut simulation = Method::Impulse(steps).simulate::<f64>(&model, h);
+        simulation.step(5000);
+        let sag = simulation.outputs().joint_position(0)[1];
+        let small = h / steps as f64;
+        let resolved = 0.5 * moment / (small * small);
+        let expected = mass * 9.81 * length * 0.5 / f64::min(stiffness, resolved);
+        close(
+            format!("{steps} {stiffness}"),
+            sag,
+            expected,
+            1e-3 * expected,
+        );
+    }
 }

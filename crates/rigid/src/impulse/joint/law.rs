@@ -187,7 +187,7 @@ pub(super) fn share_effort<M: Machine>(
             let slope = h.fma(stiffness, damping);
             let torque = stiffness.fma(way, slope.fnma(rate, force));
             let torque = M::R::select(drives(k, t, i), torque, zero);
-            k.store(t.work, i, work::RATE, torque);
+            k.store(t.work, i, work::TORQUE, torque);
             squared.write(torque.fma(torque, squared.read()));
         }
     }
@@ -196,7 +196,7 @@ pub(super) fn share_effort<M: Machine>(
         let i = k.index(row);
         let [first, end] = laws(k, t, i);
         if let Some(_branch) = k.when(k.less(first, end)) {
-            let own = k.load(t.work, i, work::RATE).abs();
+            let own = k.load(t.work, i, work::TORQUE).abs();
             let over = torque.gt(k.load(t.law, first, law::HIGH));
             let over = ball & drives(k, t, i) & over;
             let share = own / torque.max(M::R::lit(WEAK));

@@ -23,16 +23,18 @@
 //! w_i = e_i − K_LL⁻¹ K_Li,    K_i w_i the response of its rate
 //! ```
 //!
-//! and what acts along it is balanced exactly (`law`), and holds on to that when relaxing. That push moves the locks, too,
-//! where others make them give way, and so what acts sees the coordinate that w_i does work on,
+//! and what acts along it is balanced exactly (`law`), and holds on to that when relaxing. That push moves the locks as well,
+//! which others make give way, and so what acts sees the coordinate, and the rate, that the push does work on:
 //!
 //! ```text
-//! θ̃_i = w_i · (θ, c) = θ_i − K_iL K_LL⁻¹ c
+//! θ̃_i = w_i · (θ, c) = θ_i − K_iL K_LL⁻¹ c        ũ_i = w_i · u
 //! ```
 //!
-//! Springs of θ_i itself take from bodies with long arms, of which an error of the locks turns the whole, work that they never
-//! store: what swings on several of them grows without end. A gap of a loop, which may be
-//! wide when a world begins, closes no faster than at a pace: β c within 1 m/s, as by `featherstone`.
+//! Of bodies with long arms an error of locks turns the whole, and a spring that sees θ_i takes work from that, or gives it,
+//! which it does not store: what swung on several joints grew without end.
+//!
+//! A gap of a loop, which may be wide when a world begins, closes no faster than at a pace: β c within 1 m/s, as by
+//! `featherstone`.
 //!
 //! Where several rows are acted along, a push drags with it what is passive along the others, where an impulse falls with
 //! the rate by h z, z = h k + d + m/h:
@@ -712,12 +714,12 @@ fn held<M: Machine>(
     if let Some(_branch) = k.if_any(pushing.gt(M::R::zero())) {
         let had = rows.along(pair.given.get()).to_array();
         for row in 0..ROWS {
-            k.store(t.work, k.index(row), work::RATE + 1, had[row]);
+            k.store(t.work, k.index(row), work::HAD, had[row]);
         }
         for i in k.count(ROWS) {
             let acts = k.link(t.links, i, axis_link::ACTS);
             if let Some(_branch) = k.when(k.equals(acts, 1)) {
-                let had = k.load(t.work, i, work::RATE + 1) * k.load(t.axis, i, axis::ACTS);
+                let had = k.load(t.work, i, work::HAD) * k.load(t.axis, i, axis::ACTS);
                 given.set(given.get() - k.spatial(t.axis, i, axis::HOLDS) * had);
             }
         }
@@ -826,7 +828,7 @@ fn go_along<M: Machine>(
     }
 }
 
-/// The rate of a row, and the impulse that it has been given.
+/// The rate of what the push along a row moves, and the impulse that it has been given.
 #[inline(always)]
 fn along<M: Machine>(
     k: &mut M,
@@ -835,12 +837,12 @@ fn along<M: Machine>(
     pair: &Pair<M>,
     i: M::I,
 ) -> [M::R; 2] {
-    let rates = rows.rates(pair.apart()).to_array();
     let had = rows.along(pair.given.get()).to_array();
-    for row in 0..ROWS {
-        k.write(t.work, k.index(row), work::RATE, [rates[row], had[row]]);
+    for (row, had) in had.into_iter().enumerate() {
+        k.store(t.work, k.index(row), work::HAD, had);
     }
-    k.read(t.work, i, work::RATE)
+    let rate = k.spatial(t.axis, i, axis::HOLDS).dot(pair.apart());
+    [rate, k.load(t.work, i, work::HAD)]
 }
 
 /// Brings a row from one rate to another, with what is geared to it, by an impulse.

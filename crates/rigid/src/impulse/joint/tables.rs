@@ -153,8 +153,10 @@ pub mod axis_link {
 pub(super) mod work {
     /// Response of all rows to a unit impulse along this one.
     pub const COLUMN: usize = 0;
-    /// Its rate, and the impulse that it has been given.
-    pub const RATE: usize = 6;
+    /// The impulse that it has been given.
+    pub const HAD: usize = 6;
+    /// Torque of its drive, of a ball.
+    pub const TORQUE: usize = 7;
     /// The speed of what is geared to it, as the small step began.
     pub const BEGIN: usize = 8;
     /// Which part of its bounds the drive of a row has.
