@@ -49,8 +49,14 @@ fn direction(random: &mut Rng) -> DVec3 {
     DVec3::from_array([0; 3].map(|_| within(random, -1.0, 1.0))).normalize()
 }
 
-/// A tree of bodies on springs, of masses, sizes and stiffnesses that differ by decades, on the world or free.
-fn tree(random: &mut Rng, [softest, stiffest]: [f64; 2]) -> Model {
+/// Slides, pairs of hinges, and hinges twice as often; with balls; with slides that turn, too.
+const PLAIN: usize = 4;
+const BALLS: usize = 5;
+const ALL: usize = 6;
+
+/// A tree of bodies on springs, of masses, sizes and stiffnesses that differ by decades, on the world or free, with the first of
+/// these many kinds of joints. Those beyond [`PLAIN`] have armatures. Balls have drives, as they take no springs.
+fn tree(random: &mut Rng, [softest, stiffest]: [f64; 2], kinds: usize) -> Model {
     let mut world = Builder::new("tree");
     world.gravity(DVec3::ZERO);
     let object = world.object("");
@@ -71,12 +77,26 @@ fn tree(random: &mut Rng, [softest, stiffest]: [f64; 2]) -> Model {
         }
         let (axis, name) = (direction(random), format!("joint {i}"));
         let across = axis.any_orthonormal_vector();
-        let joint = match random.usize(0..4) {
+        let kind = random.usize(0..kinds);
+        let joint = match kind {
             0 => object.prismatic(name, body, axis),
             1 => object.d6(name, body, &[Axis::angular(axis), Axis::angular(across)]),
+            4 => object.ball(name, body),
+            5 => object.d6(name, body, &[Axis::linear(axis), Axis::angular(across)]),
             _ => object.revolute(name, body, axis),
         };
-        joint.spring(decades(random, softest, stiffest), 0.0);
+        let stiffness = decades(random, softest, stiffest);
+        if kind == 4 {
+            joint.drive(Drive {
+                stiffness,
+                ..Drive::default()
+            });
+        } else {
+            joint.spring(stiffness, 0.0);
+        }
+        if kinds > PLAIN && kind != 4 {
+            joint.armature(decades(random, 1e-6, 1e-1));
+        }
         if !bodies.is_empty() && random.usize(0..5) > 0 {
             joint.parent(bodies[random.usize(0..bodies.len())]);
         }
@@ -109,11 +129,24 @@ fn energies(model: &Model, method: Method, random: &mut Rng) -> [f64; 2] {
 fn no_spring_is_too_stiff() {
     let mut random = Rng::with_seed(7);
     for case in 0..300 {
-        let model = tree(&mut random, [1e-2, 1e9]);
+        let model = tree(&mut random, [1e-2, 1e9], PLAIN);
         for (method, bound) in [(EULER, 3.0), (XPBD, 3.0), (Method::Impulse(8), 5.0)] {
             let [last, most] = energies(&model, method, &mut random);
             let name = format!("{case} {method:?}: {last} {most}");
             assert!(last <= 3.0 && most <= bound, "{name}");
+        }
+    }
+}
+
+/// By `impulse` balls with stiff drives, and by `xpbd` slides that turn on stiff springs, do fly apart.
+#[test]
+fn no_ball_is_too_stiff_nor_what_an_armature_swings() {
+    let mut random = Rng::with_seed(8);
+    for case in 0..300 {
+        for (method, kinds) in [(EULER, ALL), (EULER, BALLS), (XPBD, BALLS)] {
+            let model = tree(&mut random, [1e-2, 1e9], kinds);
+            let [_, most] = energies(&model, method, &mut random);
+            assert!(most <= 3.0, "{case} {method:?}: {most}");
         }
     }
 }
@@ -124,7 +157,7 @@ fn joints_that_share_a_body_keep_what_swings() {
     let mut random = Rng::with_seed(11);
     let mut kept = Vec::new();
     for case in 0..100 {
-        let model = tree(&mut random, [10.0, 1e3]);
+        let model = tree(&mut random, [10.0, 1e3], PLAIN);
         let [last, most] = energies(&model, Method::Impulse(8), &mut random);
         assert!(most <= 1.1, "{case}: {most}");
         kept.push(last);
