@@ -4,6 +4,7 @@ use crate::tables::Filler;
 use crate::{Gauges, Lengths, Rangefinder};
 
 /// What is read of worlds beside their solver, where they are.
+#[expect(clippy::large_enum_variant, reason = "few, and shared by `Arc`")]
 #[derive(Clone, Debug, PartialEq)]
 pub enum Instrument {
     /// How far rays get.
