@@ -3,6 +3,8 @@
 //! The references `models/*.json` are written by `models/reference.py`.
 
 mod common;
+#[path = "common/sizes.rs"]
+mod sizes;
 
 use common::{
     TOLERANCE, close, compare_contacts, coordinates, impedances, law, number, poses, quaternion,
@@ -12,6 +14,7 @@ use glam::{DMat3, DQuat, DVec3};
 use kinetarium_formats::{self as formats, Options};
 use model::{Body, Dof, Geometry, Model, Pose};
 use serde_json::Value;
+use sizes::sizes;
 use std::path::{Path, PathBuf};
 
 fn folder() -> PathBuf {
@@ -137,19 +140,7 @@ fn inertia() {
     let (model, reference) = load("inertia");
     for (row, shape) in model.shapes.iter().enumerate() {
         let size = vector(&reference["geom_size"][row]);
-        let own = match shape.geometry {
-            Geometry::Sphere { radius } => DVec3::new(radius, 0.0, 0.0),
-            Geometry::Capsule {
-                radius,
-                half_height,
-            } => DVec3::new(radius, half_height - radius, 0.0),
-            Geometry::Cylinder {
-                radius,
-                half_height,
-            } => DVec3::new(radius, half_height, 0.0),
-            Geometry::Box { half } | Geometry::Ellipsoid { half } => half,
-            _ => panic!("no other shapes"),
-        };
+        let own = sizes(&shape.geometry);
         assert!(own.abs_diff_eq(size, TOLERANCE), "shape {row}: {own}");
     }
 }

@@ -162,6 +162,7 @@ impl Springs {
     fn any(&self, mut dofs: Range<usize>) -> bool {
         dofs.any(|v| self.stiffness[v] > 0.0)
     }
+
     /// Tells the bodies of a node's joint, and the least inertia along its degrees of freedom.
     fn join(&mut self, dofs: Range<usize>, least: &Least, bodies: [Option<usize>; 2]) {
         match least {

@@ -104,6 +104,10 @@ impl Watch {
         sleep: true,
         divergence: true,
     };
+    /// Whether contacts are looked at, whatever is told of them.
+    pub(crate) fn touches(self) -> bool {
+        self.contacts || self.persisting_contacts
+    }
     fn anything(self) -> bool {
         self != Self::default()
     }

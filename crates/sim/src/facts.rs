@@ -88,8 +88,7 @@ impl<T: Float> Flags<T> {
         let is_sensed = |pair: &Pair| senses(model, *pair);
         let met = simulation.last_reported().shapes.iter().copied();
         let (sensed, pairs): (BTreeSet<Pair>, BTreeSet<Pair>) = met.partition(is_sensed);
-        let contacts = watch.contacts || watch.persisting_contacts;
-        let pairs = Vec::from_iter(pairs.into_iter().filter(|_| contacts));
+        let pairs = Vec::from_iter(pairs.into_iter().filter(|_| watch.touches()));
         let sensed = Vec::from_iter(sensed.into_iter().filter(|_| watch.sensors));
         let joints = (0..model.joints.len()).filter(|_| watch.limits);
         let joints = Vec::from_iter(joints.map(JointId));
@@ -172,7 +171,7 @@ pub(crate) struct Found {
 
 impl Found {
     fn new(model: &Model, watch: Watch) -> Self {
-        let contacts = watch.contacts || watch.persisting_contacts || watch.sensors;
+        let contacts = watch.touches() || watch.sensors;
         let contacts = contacts.then_some(OutputPart::Contacts);
         let joints = (0..model.joints.len()).filter(|_| watch.limits);
         let bodies = (0..model.bodies.len()).filter(|_| watch.sleep);
@@ -203,7 +202,7 @@ impl Found {
     fn facts<T: Float>(&self, model: &Model, outputs: &Outputs<'_, T>, world: usize) -> Facts {
         let mut facts = Facts::default();
         let watch = self.watch;
-        if watch.contacts || watch.persisting_contacts {
+        if watch.touches() {
             for contact in outputs.contacts(world) {
                 if contact.force != DVec3::ZERO {
                     let force = facts.pressing.entry(contact.shapes).or_default();

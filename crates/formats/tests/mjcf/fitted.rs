@@ -1,6 +1,7 @@
 //! Solids that are fitted to meshes, with the sizes and places of MuJoCo 4.0, whose vertices have single precision.
 
 use crate::common::{lenient, lines, read, refused};
+use crate::sizes::sizes;
 use glam::{DQuat, DVec3};
 use kinetarium_formats::{InMemory, Options, parse};
 use model::{Geometry, MassProperties, Shape};
@@ -23,23 +24,6 @@ fn text(mesh: &str, geom: &str, compiler: &str) -> String {
 
 fn fitted(mesh: &str, geom: &str, compiler: &str) -> Shape {
     read(&text(mesh, geom, compiler)).model.shapes[0].clone()
-}
-
-/// Of a solid, as MuJoCo has them.
-fn sizes(shape: &Shape) -> DVec3 {
-    match shape.geometry {
-        Geometry::Sphere { radius } => DVec3::new(radius, 0.0, 0.0),
-        Geometry::Capsule {
-            radius,
-            half_height,
-        } => DVec3::new(radius, half_height - radius, 0.0),
-        Geometry::Cylinder {
-            radius,
-            half_height,
-        } => DVec3::new(radius, half_height, 0.0),
-        Geometry::Box { half } | Geometry::Ellipsoid { half } => half,
-        ref other => panic!("{other:?}"),
-    }
 }
 
 /// The frame of a solid, if it stood along z.
@@ -82,7 +66,7 @@ fn solids_have_the_size_and_place_of_a_mesh() {
         for (kind, expected) in kinds {
             let mesh = format!("vertex='{POINTS}'");
             let shape = fitted(&mesh, &format!("type='{kind}'"), compiler);
-            let found = sizes(&shape);
+            let found = sizes(&shape.geometry);
             let near = found.abs_diff_eq(DVec3::from_array(expected), 1e-7);
             assert!(near, "{kind} {compiler}: {found}");
             assert!(shape.pose.position.abs_diff_eq(place, 1e-7), "{shape:?}");
@@ -113,7 +97,7 @@ fn what_a_mesh_weighs_says_what_is_fitted_to_it() {
     ] {
         let mesh = format!("{PIT} scale='.2 .1 .1' inertia='{inertia}'");
         let shape = fitted(&mesh, "type='capsule' fitscale='1.5'", "");
-        let (found, [radius, half]) = (sizes(&shape), size);
+        let (found, [radius, half]) = (sizes(&shape.geometry), size);
         let near = found.abs_diff_eq(DVec3::new(radius, half, 0.0), 1e-7);
         assert!(near, "{inertia}: {found}");
         let place = DVec3::from_array(place);
@@ -130,7 +114,10 @@ fn a_cube_is_fitted_along_the_axes_of_its_frame() {
     for (compiler, across) in [("", 0.5), ("fitaabb='true'", 0.62)] {
         let shape = fitted(mesh, "type='box'", compiler);
         let expected = DVec3::new(0.5, across, across);
-        assert!(sizes(&shape).abs_diff_eq(expected, 1e-7), "{shape:?}");
+        assert!(
+            sizes(&shape.geometry).abs_diff_eq(expected, 1e-7),
+            "{shape:?}"
+        );
         assert!(shape.pose.position.abs_diff_eq(place, 1e-7), "{shape:?}");
         assert!(turn(&shape).dot(axes).abs() > 1.0 - 1e-9, "{shape:?}");
     }

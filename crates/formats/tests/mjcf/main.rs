@@ -11,5 +11,7 @@ mod fitted;
 mod includes;
 mod joints;
 mod scenery;
+#[path = "../common/sizes.rs"]
+mod sizes;
 mod warnings;
 mod written_meshes;

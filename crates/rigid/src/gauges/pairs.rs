@@ -48,16 +48,21 @@ impl PairNotes {
     }
     /// Whether they press, from a number on.
     pub fn presses(&mut self, all: &Reported<'_>, pairs: &[[ShapeId; 2]], to: usize) {
-        for (i, &pair) in pairs.iter().enumerate() {
-            let links = self.pair(all, pair, to + i / FLAGS);
-            self.flags.add(links, [flag(i), 0.0]);
-        }
+        self.flags((all, pairs), to, |counts| [counts, 0.0]);
     }
     /// Whether they overlap.
     pub fn overlaps(&mut self, all: &Reported<'_>, pairs: &[[ShapeId; 2]], to: usize) {
+        self.flags((all, pairs), to, |counts| [0.0, counts]);
+    }
+    fn flags(
+        &mut self,
+        (all, pairs): (&Reported<'_>, &[[ShapeId; 2]]),
+        to: usize,
+        counts: fn(f64) -> [f64; 2],
+    ) {
         for (i, &pair) in pairs.iter().enumerate() {
             let links = self.pair(all, pair, to + i / FLAGS);
-            self.flags.add(links, [0.0, flag(i)]);
+            self.flags.add(links, counts(flag(i)));
         }
     }
     /// Their forces.
