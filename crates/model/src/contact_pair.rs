@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 /// Two shapes that touch, and the surface that their contact has.
 ///
 /// They touch whatever masks, groups, joints and exclusions say, and whether or not they collide
-/// with others; but not where neither moves, nor where both are of one body.
+/// with others, unless the pair is [`filtered`](Self::filtered); but not where neither moves, nor where both are of one body.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ContactPair {
     /// The shapes, in any order.
@@ -20,6 +20,9 @@ pub struct ContactPair {
     /// Whose restitution it has.
     #[serde(default)]
     pub restitution: Whose,
+    /// Whether the shapes touch only where they would without the pair, which then says no more than their surface.
+    #[serde(default)]
+    pub filtered: bool,
 }
 
 /// Whose coefficient a contact pair has. Those of its shapes are written into its surface when the model is made, so that
@@ -45,6 +48,7 @@ impl ContactPair {
             material,
             friction: Whose::Own,
             restitution: Whose::Own,
+            filtered: false,
         }
     }
     /// The rows of the shapes, the lower first.

@@ -27,7 +27,7 @@ const SHARED_WORLD: i32 = -1;
 /// Shapes fixed to the world are static, in group −1 and world −1.
 ///
 /// Pairs that the model names ([`Parts::contact_pairs`](crate::Parts::contact_pairs)) may collide
-/// whatever their masks, groups, exclusions and joints.
+/// whatever their masks, groups, exclusions and joints, but for those that are [`ContactPair::filtered`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct CollisionFilter {
     shapes: Vec<Membership>,
@@ -76,7 +76,8 @@ struct Membership {
 impl CollisionFilter {
     /// The filter of a model.
     pub fn new(model: &Model) -> Self {
-        let paired: HashSet<_> = model.contact_pairs.iter().map(ContactPair::key).collect();
+        let pairs = model.contact_pairs.iter().filter(|pair| !pair.filtered);
+        let paired: HashSet<_> = pairs.map(ContactPair::key).collect();
         let mut shapes: Vec<_> = model
             .shapes
             .iter()

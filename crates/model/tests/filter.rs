@@ -191,6 +191,12 @@ fn named_pairs_touch_whatever_else_holds() {
     let usual = model.contact_material(ShapeId(1), ShapeId(2));
     assert_eq!(usual, Material::default());
 
+    parts.contact_pairs[0].filtered = true;
+    assert_eq!(pairs(parts.clone()), [(2, 3)]);
+    let model = Model::new(parts.clone()).unwrap();
+    assert_eq!(model.contact_material(ShapeId(0), ShapeId(1)), slippery);
+    parts.contact_pairs[0].filtered = false;
+
     parts.bodies[0].world = 1;
     parts.bodies[1].world = 2;
     parts.bodies[2].kind = BodyKind::Static;

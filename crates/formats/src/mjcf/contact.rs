@@ -238,6 +238,7 @@ pub(super) fn mix(
             let whose = surfaces[a.0].wins(&surfaces[b.0]);
             let mut pair = ContactPair::new((a, b), material);
             pair.restitution = whose;
+            pair.filtered = true;
             if surface.rubs() {
                 pair.friction = whose;
             }

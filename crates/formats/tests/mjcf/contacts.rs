@@ -227,6 +227,27 @@ fn mixed_surfaces_follow_the_friction_of_their_geoms() {
     assert!(model.contact_pairs.iter().all(bounces));
 }
 
+/// Geoms whose surface is mixed touch no more than others once they are told apart, unless `<pair>` names them.
+#[test]
+fn mixed_surfaces_leave_masks_and_exclusions_in_force() {
+    let ball = |name: &str| {
+        format!("<body name='{name}'><freejoint/><geom name='{name}' size='1' condim='1'/></body>")
+    };
+    let balls: String = ["a", "b", "c"].map(ball).concat();
+    let named = "<contact><pair geom1='b' geom2='c' condim='1'/></contact>";
+    let floor = "<geom type='plane' size='1 1 1'/>";
+    let text = format!("<mujoco><worldbody>{floor}{balls}</worldbody>{named}</mujoco>");
+    let model = read(&text).model;
+    assert_eq!(pairs(&model).len(), 6);
+    let mut parts = model.into_parts();
+    for shape in &mut parts.shapes[1..] {
+        (shape.membership, shape.collides_with) = (2, 1);
+    }
+    parts.exclusions = vec![(None, BodyId(0))];
+    let apart = Model::new(parts).unwrap();
+    assert_eq!(pairs(&apart), [(0, 2), (0, 3), (2, 3)]);
+}
+
 /// A ball of 2 kg: a pyramid's edges make its contact p = μ² (1 + μ²) / (i (c − 1)) times as soft, a cone's do not.
 #[test]
 fn pyramids_of_friction_soften_contacts() {
