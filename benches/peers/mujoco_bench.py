@@ -2,8 +2,9 @@
 
 `prepare` writes the chain models and `cases.json` (what to simulate, and where the tip of a chain must be
 after one second); `measure` runs every case once and prints one JSON record a line. Batches go through
-`mujoco.rollout`. Without contacts, constraints are off, and every run starts anew after `RESTART_STEPS`, so
-that none leaves the range in which explicit steps are stable. With contacts, a run is as long as a robot
+`mujoco.rollout`. Without contacts, every run starts anew after `RESTART_STEPS`, so
+that none leaves the range in which explicit steps are stable; constraints are off, but for joint limits where
+these are the case. With contacts, a run is as long as a robot
 takes to fall and lie, and is driven by random controls.
 """
 
@@ -62,16 +63,23 @@ def chain_mjcf(links: int) -> str:
 
 
 def load(path: str, integrator: str, timestep: float, contacts: str = "none") -> mujoco.MjModel:
-    """Loads a model whose bodies touch nothing (nor are constrained otherwise), the ground, or all."""
+    """Loads a model whose bodies touch nothing, the ground, or all; "limits" has joint limits, "none" no constraint at all."""
     model = mujoco.MjModel.from_xml_path(path)
     model.opt.integrator = INTEGRATORS[integrator]
     model.opt.timestep = timestep
+    if not touches(contacts):
+        model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT
     if contacts == "none":
-        model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
+        model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
     elif contacts == "ground":
         model.geom_contype[:] = model.geom_bodyid == 0
         model.geom_conaffinity[:] = model.geom_bodyid != 0
     return model
+
+
+def touches(contacts: str) -> bool:
+    """Whether bodies touch anything."""
+    return contacts in ("ground", "all")
 
 
 def random_controls(model: mujoco.MjModel, worlds: int, intervals: int) -> np.ndarray:
@@ -129,7 +137,7 @@ def humanoid_case(name: str, contacts: str) -> dict:
         "methods": ["euler"],
         "contacts": contacts,
         "tip": None,
-        "controls": controls.swapaxes(0, 1).tolist() if contacts != "none" else [],
+        "controls": controls.swapaxes(0, 1).tolist() if touches(contacts) else [],
     }
 
 
@@ -138,6 +146,7 @@ def prepare(folder: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     cases = [chain_case(links, folder) for links in CHAIN_LINKS]
     cases.append(humanoid_case("humanoid", "none"))
+    cases.append(humanoid_case("humanoid, limits", "limits"))
     cases.append(humanoid_case("humanoid on the ground", "ground"))
     cases.append(humanoid_case("humanoid, all contacts", "all"))
     (folder / "cases.json").write_text(json.dumps(cases, indent=1))
@@ -164,7 +173,7 @@ def batch_speed(model: mujoco.MjModel, contacts: str) -> float:
     initial[:, -model.nv :] += 0.01 * rng.normal(size=(WORLDS, model.nv))
     states = np.zeros((WORLDS, ROLLOUT_STEPS, start.size))
     sensors = np.zeros((WORLDS, ROLLOUT_STEPS, model.nsensordata))
-    if contacts == "none":
+    if not touches(contacts):
         steps = RESTART_STEPS
         drawn = 0.1 * rng.normal(size=(WORLDS, 1, model.nu))
         control = np.repeat(drawn, steps, axis=1)
@@ -187,10 +196,10 @@ def batch_speed(model: mujoco.MjModel, contacts: str) -> float:
 def single_speed(model: mujoco.MjModel, contacts: str) -> float:
     """Steps per second of one world on one thread, stepped inside MuJoCo without returning to Python."""
     data = mujoco.MjData(model)
-    steps = RESTART_STEPS if contacts == "none" else FALL_STEPS
+    steps = FALL_STEPS if touches(contacts) else RESTART_STEPS
     intervals = steps // ROLLOUT_STEPS
     control = random_controls(model, 1, intervals)[0]
-    if contacts == "none":
+    if not touches(contacts):
         control = np.zeros_like(control)
 
     def run_once() -> None:
@@ -243,7 +252,7 @@ def measure(folder: Path) -> Iterator[dict]:
             model = load(case["path"], method, case["timestep"], contacts)
             tip = case["tip"]
             error = tip and float(np.linalg.norm(tip_position(model, tip) - tip["reference"]))
-            if contacts != "none":
+            if touches(contacts):
                 error = joint_error(case, method)
             shared = {"kind": "speed", "case": name, "method": method, "error": error}
             speed = batch_speed(model, contacts)

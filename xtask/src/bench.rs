@@ -54,7 +54,7 @@ const THREADS: u32 = 2;
 const SHARED: f64 = 1.9;
 
 #[rustfmt::skip]
-const COMPARISONS: [Comparison; 15] = [
+const COMPARISONS: [Comparison; 17] = [
     Comparison { case: "chain_10", worlds: BATCH, ours: "euler",  theirs: "euler", goal: Some(24.0) },
     Comparison { case: "chain_10", worlds: BATCH, ours: "rk4",    theirs: "rk4",   goal: None },
     Comparison { case: "chain_10", worlds: BATCH, ours: "xpbd_4", theirs: "euler", goal: None },
@@ -66,6 +66,8 @@ const COMPARISONS: [Comparison; 15] = [
     Comparison { case: "humanoid", worlds: BATCH, ours: "euler",  theirs: "euler", goal: Some(40.0) },
     Comparison { case: "humanoid", worlds: BATCH, ours: "xpbd_4", theirs: "euler", goal: None },
     Comparison { case: "humanoid", worlds: 1,     ours: "euler",  theirs: "euler", goal: Some(4.0) },
+    Comparison { case: "humanoid, limits", worlds: BATCH, ours: "euler", theirs: "euler", goal: None },
+    Comparison { case: "humanoid, limits", worlds: 1,     ours: "euler", theirs: "euler", goal: None },
     Comparison { case: "humanoid on the ground", worlds: BATCH, ours: "euler", theirs: "euler", goal: Some(40.0) },
     Comparison { case: "humanoid on the ground", worlds: 1,     ours: "euler", theirs: "euler", goal: Some(4.0) },
     Comparison { case: "humanoid, all contacts", worlds: BATCH, ours: "euler", theirs: "euler", goal: Some(20.0) },

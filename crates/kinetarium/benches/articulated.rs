@@ -11,6 +11,7 @@ mod ground;
 use fastrand::Rng;
 use glam::DVec3;
 use ground::on_the_ground;
+use kinetarium::model::ModelError;
 use kinetarium::prelude::*;
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -43,13 +44,20 @@ struct Case {
     controls: Vec<Vec<Vec<f64>>>,
 }
 
-/// What bodies touch.
+/// What bodies touch; limits of joints are left out where that is nothing, unless they are the case.
 #[derive(Clone, Copy, Deserialize, PartialEq)]
 #[serde(rename_all = "snake_case")]
 enum Contacts {
     None,
+    Limits,
     Ground,
     All,
+}
+
+impl Case {
+    fn touches(&self) -> bool {
+        matches!(self.contacts, Contacts::Ground | Contacts::All)
+    }
 }
 
 /// Where a point of a body must be.
@@ -97,7 +105,7 @@ fn speeds(case: &Case) -> Outcome<()> {
     for method in case.methods.iter().map(String::as_str).chain(further) {
         let error = match &case.tip {
             Some(tip) => Some(tip_error(&model, case, tip, method)?),
-            None if case.contacts == Contacts::None => None,
+            None if !case.touches() => None,
             None => Some(joint_error(&model, case, method)?),
         };
         // What a second thread is worth is told of the fastest method alone.
@@ -122,10 +130,18 @@ fn print(record: Value) {
 
 fn load(case: &Case) -> Outcome<Model> {
     let model = kinetarium::formats::load(&case.path, &Options::default())?.model;
-    if case.contacts != Contacts::Ground {
-        return Ok(model);
+    match case.contacts {
+        Contacts::None => Ok(without_limits(model)?),
+        Contacts::Ground => Ok(on_the_ground(model)?),
+        Contacts::Limits | Contacts::All => Ok(model),
     }
-    Ok(on_the_ground(model)?)
+}
+
+fn without_limits(model: Model) -> Result<Model, ModelError> {
+    let mut parts = model.into_parts();
+    let dofs = parts.joints.iter_mut().flat_map(|joint| &mut joint.dofs);
+    dofs.for_each(|dof| dof.limit = None);
+    Model::new(parts)
 }
 
 fn simulation(
@@ -147,7 +163,7 @@ fn simulation(
         ..Settings::new(case.timestep / finer as f64)
     };
     let settings = SimulationSettings {
-        contacts: case.contacts != Contacts::None,
+        contacts: case.touches(),
         solver,
         step,
         threads,
@@ -197,7 +213,7 @@ fn perform(simulation: &mut Simulation<f32>, case: &Case) -> Outcome<Duration> {
     let mut rng = Rng::with_seed(1);
     let (steps, held) = length(case);
     for _ in 0..steps / held {
-        if case.contacts != Contacts::None {
+        if case.touches() {
             drive(simulation, &mut rng)?;
         }
         let begin = Instant::now();
@@ -209,9 +225,10 @@ fn perform(simulation: &mut Simulation<f32>, case: &Case) -> Outcome<Duration> {
 
 /// Steps of a run, and from one control to the next.
 fn length(case: &Case) -> (usize, usize) {
-    match case.contacts {
-        Contacts::None => (RESTART_STEPS, RESTART_STEPS),
-        Contacts::Ground | Contacts::All => (FALL_STEPS, HELD_STEPS),
+    if case.touches() {
+        (FALL_STEPS, HELD_STEPS)
+    } else {
+        (RESTART_STEPS, RESTART_STEPS)
     }
 }
 

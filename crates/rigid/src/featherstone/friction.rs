@@ -10,11 +10,11 @@
 //! it is follows from w, the speed without friction, as D (q̇' − w) = −h f sgn q̇':
 //!
 //! ```text
-//! w = q̇ + h u / D      |q̇'| = |w| − h f / D
+//! w = q̇ + h (q̈⁻ + u / D)      |q̇'| = |w| − h f / D
 //! ```
 //!
-//! In the first pass over the tree u is that of a parent that does not accelerate, which is exact for one joint. Further
-//! ones, while c q̇' is not the friction, have it from the q̈ of the pass before: u = (D + h c) q̈ + c q̇. What is right keeps
+//! In the first pass over the tree u is that of a parent that accelerates as in the step before, which is exact for one joint.
+//! Further ones, while c q̇' is not the friction, have it from the q̈ of the pass before: D q̈⁻ + u = (D + h c) q̈ + c q̇. What is right keeps
 //! its c, so that a pass that another world needs finds the same again.
 //!
 //! Limitation: loops and couplings lock rows that are solved after the passes, and make a joint move on whatever its
@@ -72,7 +72,9 @@ pub(crate) fn act<M: Machine>(
         let [before, wrong] = k.read(t.rubbing, v, rubbing::DAMPING);
         let acceleration = k.load(t.dof, v, dof::ACCELERATION);
         let found = h.fma(before, opposed).fma(acceleration, before * speed);
-        let force = M::R::select(before.lt(zero), u.read(), found);
+        let recent = t.before(k, v);
+        let guess = opposed.fma(recent, u.read());
+        let force = M::R::select(before.lt(zero), guess, found);
         let per_force = h / opposed;
         let free = per_force.fma(force, speed).abs();
         let foreseen = per_force.fnma(f, free);
@@ -84,7 +86,7 @@ pub(crate) fn act<M: Machine>(
         let other = f / slip.max(M::R::lit(FRICTION_SPEED));
         let c = M::R::select(wrong.gt(zero), other, before);
         k.store(t.rubbing, v, rubbing::DAMPING, c);
-        u.write(c.fnma(speed, u.read()));
+        u.write(c.fnma(h.fma(recent, speed), u.read()));
         d.write(h.fma(c, opposed));
     }
 }

@@ -172,6 +172,10 @@ fn kick_and_drift<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
         k.store(t.position, q, 0, faster.fma(h, place));
         k.store(t.velocity, v, 0, faster);
     }
+    for v in k.count(t.recents) {
+        let acceleration = k.load(t.dof, v, dof::ACCELERATION);
+        k.store(t.recent, v, 0, acceleration);
+    }
     for i in k.count(t.balls) {
         let [q, v] = k.link_row(t.ball_links, i);
         let (turn, spin) = (k.quat(t.position, q, 0), k.vec3(t.velocity, v, 0));
@@ -327,6 +331,9 @@ fn guard<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables) {
         for v in k.count(t.dofs) {
             let x = k.load(t.saved_velocity, v, 0);
             k.store_where(lost, t.velocity, v, 0, x);
+        }
+        for v in k.count(t.recents) {
+            k.store_where(lost, t.recent, v, 0, zero);
         }
     }
 }

@@ -6,7 +6,7 @@
 //! through x has S = (a, x × a); along a it has S = (0, a). Motions act in turn:
 //!
 //! ```text
-//! b ← b + v × S q̇      acceleration where every q̈ is zero (Featherstone 2008, eq. 3.41)
+//! b ← b + v × S q̇ + S q̈⁻      acceleration where every q̈ is q̈⁻ (Featherstone 2008, eq. 3.41, with q̈⁻ = 0)
 //! v ← v + S q̇
 //! ```
 //!
@@ -24,7 +24,7 @@ pub(crate) struct Course<R> {
     pub place: Pose<R>,
     /// Spatial velocity about O.
     pub twist: Spatial<R>,
-    /// Spatial acceleration about O where every q̈ is zero, less gravity.
+    /// Spatial acceleration about O where every q̈ is q̈⁻, less gravity.
     pub bias: Spatial<R>,
 }
 
@@ -109,12 +109,14 @@ pub(crate) fn kinematics<M: Machine>(k: &mut M, t: &Tables) {
                 place.set(moved);
                 let rate = turn(k, t, v, axis);
                 advance(&mut twist, &mut bias, rate);
+                go_on(k, t, v, &mut bias);
             }
             if let Some(_branch) = k.when(k.equals(kind, motion::PRISMATIC)) {
                 let (moved, axis) = prismatic(k, t, m, q, place.get());
                 place.set(moved);
                 let rate = turn(k, t, v, axis);
                 advance(&mut twist, &mut bias, rate);
+                go_on(k, t, v, &mut bias);
             }
             if let Some(_branch) = k.when(k.equals(kind, motion::BALL)) {
                 let at = place.get();
@@ -122,6 +124,9 @@ pub(crate) fn kinematics<M: Machine>(k: &mut M, t: &Tables) {
                 place.set(moved);
                 let rate = ball(k, t, v, moved);
                 advance(&mut twist, &mut bias, rate);
+                for axis in 0..3 {
+                    go_on(k, t, v.offset(axis), &mut bias);
+                }
             }
         }
         let course = Course {
@@ -228,6 +233,16 @@ fn advance<R: Real, H: Held<Value = Spatial<R>>>(twist: &mut H, bias: &mut H, s:
     let moved = v.cross_motion_plus(s, bias.get());
     bias.set(moved);
     twist.set(v + s);
+}
+
+/// b ← b + S q̈⁻, of an axis that is [stored](turn).
+#[inline(always)]
+fn go_on<M: Machine>(k: &M, t: &Tables, v: M::I, bias: &mut <Spatial<M::R> as Hold<M>>::Held) {
+    if t.recents > 0 {
+        let axis = k.spatial(t.dof, v, dof::AXIS);
+        let moved = axis.fma(k.load(t.recent, v, 0), bias.get());
+        bias.set(moved);
+    }
 }
 
 /// Mass, centre from O and inertia about the centre in world axes, from the ten fields from MASS on.

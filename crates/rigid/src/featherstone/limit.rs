@@ -13,8 +13,8 @@
 //! θ = 1/(1 − e⁻ᶻ) − 1/z = ½ + z/12 + O(z³) (Liniger & Willoughby 1970, exponential fitting); without
 //! inertia θ = 1, which is stable however stiff.
 //!
-//! Whether it pushes back is known once q̈ is. In the first pass over the tree q̈ is taken for u / D, what it would be if
-//! the parent did not accelerate; further ones, while stops are wrong, go by the q̈ of the pass before.
+//! Whether it pushes back is known once q̈ is. In the first pass over the tree q̈ is taken for q̈⁻ + u / D, what it would be
+//! if the parent accelerated as in the step before; further ones, while stops are wrong, go by the q̈ of the pass before.
 
 use super::articulated_body::{TINY, articulated_body};
 use super::friction;
@@ -70,6 +70,7 @@ pub(crate) fn act<M: Machine>(k: &mut M, t: &Tables, v: M::I, u: &mut M::Cell, d
     let r = k.load(t.stop, v, stop::EXCESS);
     if let Some(_branch) = k.if_any(!r.same(zero)) {
         let [known, force, opposing] = k.read(t.stop, v, stop::ACTS);
+        let force = opposing.fma(t.before(k, v), force);
         let guess = (force * r).fma(d.read(), (opposing * r) * u.read());
         let sign = M::R::select(known.same(zero), guess, known);
         k.store(t.stop, v, stop::ACTS, sign);

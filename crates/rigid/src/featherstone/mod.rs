@@ -231,6 +231,7 @@ impl<const CONTACTS: bool> Kernels for ArticulatedBodies<CONTACTS> {
         state
     }
     fn place(&self, position: &[f64], velocity: &[f64], state: &mut [f64]) {
+        state[self.tables.recent.start()..][..self.tables.recents].fill(0.0);
         state[self.tables.position.start()..][..position.len()].copy_from_slice(position);
         state[self.tables.velocity.start()..][..velocity.len()].copy_from_slice(velocity);
     }

@@ -32,9 +32,9 @@ use glam::{DMat3, DQuat, DVec3};
 use model::{
     Axis, AxisKind, Body, BodyId, BodyKind, Joint, JointId, JointKind, Model, Pose, ShapeId,
 };
-use numbers::Table;
 use numbers::machine::Links;
 use numbers::machine::space::{Parameter, Scratch, State};
+use numbers::{Machine, Real, Table};
 
 /// The solver's name.
 pub(crate) const NAME: &str = "featherstone";
@@ -191,6 +191,10 @@ pub struct Tables {
     pub(crate) velocity: Table<State>,
     /// 1 while the world runs, 0 once it diverged.
     pub(crate) alive: Table<State>,
+    /// Rows of `recent`: one for each degree of freedom, or none where q̈⁻ is 0.
+    pub(crate) recents: usize,
+    /// q̈⁻: see [`articulated_body`](super::articulated_body).
+    pub(crate) recent: Table<State>,
     pub(crate) forces: ForceTables,
     /// Joints that close loops.
     pub(crate) closings: ClosingTables,
@@ -323,7 +327,7 @@ pub(crate) mod frame {
     pub const PLACE: usize = 0;
     /// Spatial velocity about O.
     pub const TWIST: usize = 7;
-    /// Spatial acceleration about O where every q̈ is zero, less gravity.
+    /// Spatial acceleration about O where every q̈ is q̈⁻, less gravity.
     pub const BIAS: usize = 13;
     /// Articulated bias force of what the node carries.
     pub const FORCE: usize = 19;
@@ -331,7 +335,7 @@ pub(crate) mod frame {
     pub const INERTIA: usize = 25;
     /// What impulses add to the acceleration; takes the place of FORCE once that is spent.
     pub const INCREMENT: usize = FORCE;
-    /// What the accelerations q̈ add to BIAS; takes the place of INERTIA once that is spent.
+    /// What the accelerations q̈ − q̈⁻ add to BIAS; takes the place of INERTIA once that is spent.
     pub const ACCELERATION: usize = INERTIA;
     pub const WIDTH: usize = 46;
 }
@@ -341,7 +345,7 @@ pub(crate) mod own {
     /// Moments of mass about O: first, 3, and second, 6.
     pub const FIRST: usize = 0;
     pub const SECOND: usize = 3;
-    /// Wrench that moves it where every q̈ is zero, 6.
+    /// Wrench that moves it where every q̈ is q̈⁻, 6.
     pub const FORCE: usize = 9;
     pub const WIDTH: usize = 15;
 }
@@ -927,6 +931,13 @@ fn refuse_integrator(name: String, settings: &Settings) -> Result<(), SolverErro
     })
 }
 
+/// Whether a step has forces that depend on its accelerations.
+fn guesses(model: &Model, settings: &Settings) -> bool {
+    let mut dofs = model.joints.iter().flat_map(|joint| &joint.dofs);
+    let hindered = dofs.any(|dof| dof.limit.is_some() || dof.friction_loss > 0.0);
+    hindered && settings.integrator == Integrator::SemiImplicitEuler
+}
+
 impl Tables {
     /// Lays out a model and fills its parameters and links; with the shapes of each contact.
     ///
@@ -1016,6 +1027,16 @@ impl Tables {
         }
     }
 
+    /// q̈⁻ of a degree of freedom.
+    #[inline(always)]
+    pub(crate) fn before<M: Machine>(&self, k: &M, v: M::I) -> M::R {
+        if self.recents > 0 {
+            k.load(self.recent, v, 0)
+        } else {
+            M::R::zero()
+        }
+    }
+
     /// The same tree, whose limits and friction do not act.
     pub(crate) fn unhindered(&self) -> Self {
         let mut tables = *self;
@@ -1055,6 +1076,13 @@ impl Tables {
         let alive = Table::place(&mut s, 1);
         let forces = ForceTables::place(&ForceRows::count(model), dofs, &mut s, &mut p, &mut l);
         let contacts = ContactTables::place(plan, &mut p, &mut l, &mut t);
+        let alone = contacts.slots + closings + couplings == 0;
+        let recents = if alone && guesses(model, settings) {
+            dofs
+        } else {
+            0
+        };
+        let recent = Table::place(&mut s, recents);
         let kept = Kept::place(&mut s, contacts.slots);
         let grip = Table::place(&mut s, contacts.sensed);
         let grips = plan.grips(model);
@@ -1095,6 +1123,8 @@ impl Tables {
             position,
             velocity,
             alive,
+            recents,
+            recent,
             forces,
             state_length: s,
             input: InputTables::new(model),

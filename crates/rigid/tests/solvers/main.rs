@@ -4,6 +4,7 @@ mod contact;
 mod dual;
 mod falls;
 mod ground;
+mod guesses;
 mod hull;
 mod loops;
 mod mesh;
