@@ -84,13 +84,14 @@ pub(crate) fn one_by_one(
     let moves = |id: &BodyId| model.bodies[id.0].kind == BodyKind::Dynamic;
     let mut springs = Springs::new(model, h);
     let mut stiffest = vec![f64::INFINITY; springs.stiffness.len()];
+    let mut forest = Forest::empty(model);
     for (i, joint) in model.joints.iter().enumerate() {
         let (id, dofs) = (JointId(i), model.dof_range(JointId(i)));
         if joint.closes_loop || !joint.enabled || !springs.any(dofs.clone()) {
             continue;
         }
         let ends = [joint.parent, Some(joint.child)].map(|end| end.filter(moves));
-        let forest = Forest::of_joint(model, id);
+        forest.take_joint(model, id);
         for node in &forest.nodes {
             let own = node.dof..node.dof + node.dofs();
             let least = least_inertia(node, node.parent.map(|p| &forest.nodes[p]));
