@@ -151,6 +151,43 @@ fn no_ball_is_too_stiff_nor_what_an_armature_swings() {
     }
 }
 
+/// Two rods side by side on a slide, the first free: they have 0.09 kg along it where they are level, but a fifth of that
+/// 66 mm farther, where they turn about the line between them.
+#[test]
+fn rods_are_stable_where_a_slide_brings_them_to_turn_about_themselves() {
+    let (radius, rod) = (0.01, DVec3::new(-0.111, -0.983, 0.146).normalize());
+    let (thin, long) = (0.5 * radius * radius, 1.0 / 12.0 + 0.25 * radius * radius);
+    let along = DMat3::from_cols(rod * rod.x, rod * rod.y, rod * rod.z);
+    let inertia = DMat3::IDENTITY * long - along * (long - thin);
+    let (h, stiffness, rest) = (2e-3, 22988.0, 0.0655);
+    for way in [-1.0, 1.0] {
+        let mut world = Builder::new("rods");
+        world.gravity(DVec3::ZERO);
+        let object = world.object("");
+        let [first, second] = ["first", "second"].map(|name| {
+            let body = object.body(name);
+            body.inertia(1.0, DVec3::ZERO, inertia).handle()
+        });
+        object.free("float", first);
+        let slide = object.prismatic("slide", second, DVec3::X);
+        let beside = Pose::at(DVec3::Y * 0.607);
+        slide.parent(first).frames(beside, Pose::IDENTITY);
+        slide.spring(stiffness, way * rest);
+        let model = world.build().unwrap();
+        for method in SOLVERS {
+            let mut simulation = method.simulate::<f64>(&model, h);
+            let mut place = model.initial_position();
+            let slid = place.len() - 1;
+            place[slid] = way * rest + 1e-6;
+            let speeds = vec![0.0; model.degrees_of_freedom()];
+            simulation.set_joint_state(0, &place, &speeds).unwrap();
+            simulation.step(20);
+            let off = simulation.outputs().joint_position(0)[slid] - way * rest;
+            assert!(off.abs() <= 1.1e-6, "{method:?} {way}: {off}");
+        }
+    }
+}
+
 /// Joints that share a body are pushed one by one, and yet what swings on them goes on, and is fed nothing.
 #[test]
 fn joints_that_share_a_body_keep_what_swings() {
