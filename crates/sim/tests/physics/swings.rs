@@ -3,6 +3,7 @@
 use crate::common::*;
 use fastrand::Rng;
 use glam::{DMat3, DQuat, DVec3};
+use kinetarium_sim::Simulation;
 use model::{Axis, BodyHandle, Builder, Drive, Model, Pose};
 
 /// Symplectic Euler keeps v² + ω² q² − h ω² q v, ω = √(k/m), to rounding.
@@ -202,6 +203,46 @@ fn joints_that_share_a_body_keep_what_swings() {
     kept.sort_by(f64::total_cmp);
     // What small steps do not resolve comes to rest.
     assert!(kept[15] > 0.9, "{kept:?}");
+}
+
+/// What a spring may do is told of each world's own masses: a chain that loses half of them again and again stays stable.
+#[test]
+fn a_world_that_gets_lighter_stays_stable() {
+    let chain = |mass: f64| {
+        let mut world = Builder::new("chain");
+        world.gravity(DVec3::ZERO);
+        let object = world.object("");
+        let mut last = None;
+        for i in 0..6 {
+            let moments = DMat3::from_diagonal(DVec3::new(1e-3, 5e-3, 5e-3) * mass);
+            let link = object.body(format!("link {i}"));
+            let link = link.inertia(mass, DVec3::X * 0.15, moments).handle();
+            let joint = object.revolute(format!("hinge {i}"), link, DVec3::Y);
+            joint.spring(1e7, 0.0);
+            if let Some(parent) = last {
+                let at = Pose::at(DVec3::X * 0.3);
+                joint.parent(parent).frames(at, Pose::IDENTITY);
+            }
+            last = Some(link);
+        }
+        world.build().unwrap()
+    };
+    let speeds = [1.0, -2.0, 3.0, -1.0, 2.0, -3.0];
+    for method in [EULER, XPBD, Method::Impulse(8)] {
+        let settings = method.settings(2, 2e-3);
+        let mut simulation = Simulation::<f64>::new(chain(1.0), settings).unwrap();
+        for halvings in 1..=6 {
+            let lighter = chain(0.5_f64.powi(halvings));
+            simulation.set_world_model(1, &lighter).unwrap();
+            simulation.set_joint_state(1, &[0.0; 6], &speeds).unwrap();
+            let before = simulation.outputs().energy(1);
+            for _ in 0..50 {
+                simulation.step(10);
+                let share = simulation.outputs().energy(1) / before;
+                assert!(share <= 3.0, "{method:?} {halvings}: {share}");
+            }
+        }
+    }
 }
 
 /// Two links held out level by a drive each: they come to rest where the drives' stiffness says, or where that is more than a
