@@ -405,44 +405,63 @@ fn looseness_of(inertia: DMat3) -> f64 {
     1.0 / body.principal().0.min_element().max(0.0)
 }
 
-/// Inertia of a joint's degrees of freedom, one by one, where the joint does not hold its bodies, either, as the model has them.
+/// The least inertia of a joint's degrees of freedom, one by one, where the joint does not hold its bodies, either, wherever
+/// these are. A turn is taken for one about a unit axis, though gradients of three that nearly lie in a plane are longer.
 fn free_inertia(model: &Model, joint: &Joint) -> Vec<f64> {
-    let end = |id: BodyId, frame: Pose| {
-        let body = &model.bodies[id.0];
-        (body.kind == BodyKind::Dynamic).then_some((body, frame))
-    };
-    let parent = joint.parent.and_then(|id| end(id, joint.parent_frame));
-    let ends = || {
-        end(joint.child, joint.child_frame)
-            .into_iter()
-            .chain(parent)
-    };
-    let all = |axis: &Axis| -> f64 { ends().map(|(b, frame)| response(b, frame, axis)).sum() };
     let each = |axis: fn(DVec3) -> Axis| [DVec3::X, DVec3::Y, DVec3::Z].map(axis);
     let axes = match joint.kind {
         JointKind::Ball => each(Axis::angular).to_vec(),
         JointKind::Free => [each(Axis::linear), each(Axis::angular)].concat(),
         _ => joint.axes.clone(),
     };
-    axes.iter().map(|axis| 1.0 / all(axis)).collect()
+    let turned = |axis: &&Axis| axis.kind == AxisKind::Angular;
+    let anchor = axes.iter().find(turned).map_or(DVec3::ZERO, |a| a.anchor);
+    let dynamic = |id: BodyId| Some(&model.bodies[id.0]).filter(|b| b.kind == BodyKind::Dynamic);
+    let (parent, child) = (joint.parent.and_then(dynamic), dynamic(joint.child));
+    let corners = travelled(joint, anchor);
+    let corners = corners.into_iter().map(|p| joint.parent_frame.point(p));
+    let corners: Vec<_> = corners.collect();
+    let arm = joint.child_frame.point(anchor);
+    let response = |axis: &Axis| {
+        let ends = parent.into_iter().chain(child);
+        if axis.kind == AxisKind::Angular {
+            return ends.map(|body| looseness_of(body.inertia)).sum();
+        }
+        // It is fixed in the parent, and any way in the child.
+        let way = joint.parent_frame.orientation * axis.direction;
+        let of_parent = parent.map_or(0.0, |body| {
+            let arms = corners.iter().map(|p| (*p - body.center).cross(way));
+            pushed(body, arms.map(DVec3::length).fold(0.0, f64::max))
+        });
+        of_parent + child.map_or(0.0, |body| pushed(body, arm.distance(body.center)))
+    };
+    axes.iter().map(|axis| 1.0 / response(axis)).collect()
 }
 
-/// Change of the rate along an axis by a unit impulse on one of a joint's bodies, the joint's frame in it.
-fn response(body: &Body, frame: Pose, axis: &Axis) -> f64 {
-    let direction = frame.orientation * axis.direction;
-    match axis.kind {
-        AxisKind::Angular => direction.dot(body.inertia.inverse() * direction),
-        AxisKind::Linear => {
-            let turn = (frame.position - body.center).cross(direction);
-            1.0 / body.mass + turn.dot(body.inertia.inverse() * turn)
-        }
+/// Change of a point's speed along a push by a unit of it, the line of the push at most an `arm` [m] from the body's centre.
+fn pushed(body: &Body, arm: f64) -> f64 {
+    1.0 / body.mass + arm * arm * looseness_of(body.inertia)
+}
+
+/// Where a point of the child's joint frame gets in the parent's, by the slides before all turns: the corners of their ranges.
+/// One without ends counts as where both frames meet, as nothing is known of where it gets.
+fn travelled(joint: &Joint, point: DVec3) -> Vec<DVec3> {
+    let mut places = vec![point];
+    let slides = joint.axes.iter().zip(&joint.dofs);
+    for (axis, dof) in slides.filter(|(axis, _)| axis.kind == AxisKind::Linear) {
+        let ends = dof.limit.map(|l| [l.lower, l.upper]);
+        let ends = ends.unwrap_or([axis.reference; 2]);
+        let ends = ends.map(|end| end - axis.reference);
+        let moved = |p: DVec3| ends.map(|way| p + way * axis.direction);
+        places = places.into_iter().flat_map(moved).collect();
     }
+    places
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use model::{Builder, JointDraft, Object};
+    use model::{Builder, JointDraft, Limit, Object};
 
     const STIFF: f64 = 1e6;
 
@@ -527,7 +546,8 @@ mod tests {
         assert_eq!(stack(3), 0.0);
     }
 
-    /// Two pendulums, the second fixed to a plate: only its own mass is near enough, in two parts; so are all three turns.
+    /// Two pendulums, the second fixed to a plate: only its own mass is near enough, in two parts; so are all three turns, each
+    /// with the least moment, which it may come to be about.
     #[test]
     fn joints_that_share_a_body_are_as_stiff_as_it_bears() {
         let mut world = Builder::new("spring");
@@ -541,8 +561,42 @@ mod tests {
         object.fixed("bolt", plate).parent(second);
         let model = world.build().unwrap();
         let found = one_by_one(&model, 0.1, |_| Some(2.0)).stiffest;
-        for (found, inertia) in found.into_iter().zip([0.3, 0.4, 0.5, 0.9 + 0.25]) {
+        for (found, inertia) in found.into_iter().zip([0.3, 0.3, 0.3, 0.9 + 0.25]) {
             close(found, inertia / 0.01);
+        }
+    }
+
+    /// A slide along x with a hinge 0.2 m above: it pushes the child at up to the centre's distance from the hinge, wherever that
+    /// has turned to, and the parent beside its centre, however far it is along x. A second slide along y, from −1 to 2 m, brings
+    /// it 1.9 m beside.
+    #[test]
+    fn slides_that_turn_are_as_stiff_as_the_longest_arms_bear() {
+        let stiffest = |sideways: bool| {
+            let mut world = Builder::new("spring");
+            let object = world.object("");
+            let first = body(object, "first", 2.0, DVec3::new(0.7, 0.1, 0.0));
+            let second = body(object, "second", 3.0, DVec3::new(-0.3, 0.1, 0.4));
+            let hinge = Axis {
+                anchor: DVec3::Z * 0.2,
+                ..Axis::angular(DVec3::Z)
+            };
+            let slides = [DVec3::X, DVec3::Y].map(Axis::linear);
+            let slides = &slides[..1 + usize::from(sideways)];
+            let joint = object.d6("both", second, &[slides, &[hinge]].concat());
+            spring(joint).parent(first).limit(Limit {
+                lower: -1.0,
+                upper: 2.0,
+                stiffness: 1.0,
+                damping: 0.0,
+                inertia: 0.0,
+            });
+            let model = world.build().unwrap();
+            one_by_one(&model, 1.0, |_| Some(1.0)).stiffest[0]
+        };
+        let carried = 1.0 / 3.0 + DVec3::new(0.3, -0.1, -0.2).length_squared() / 0.9;
+        for (sideways, y) in [(false, 0.1), (true, 1.9)] {
+            let carries = 0.5 + DVec3::new(0.0, y, 0.2).length_squared() / 0.6;
+            close(stiffest(sideways), 1.0 / (carries + carried));
         }
     }
 
