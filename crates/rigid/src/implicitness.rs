@@ -22,9 +22,10 @@
 //! Σ sⱼ (¼ − ½ Θⱼ) ≤ ¼        sⱼ = h² kⱼ / mⱼ
 //! ```
 //!
-//! With Θⱼ = max(0, 1 − s/sⱼ) a coordinate takes at most ¼ min(sⱼ, s), and s is the level at which those of a body are
-//! ¼ together; of two bodies' levels the lower counts. A spring that steps resolve, ω h < 1, keeps what swings on it, and a
-//! stiff one comes to rest. Three quarters of M are left for what is not linear.
+//! With Θⱼ = max(0, 1 − s/sⱼ) a coordinate takes ¼ sⱼ up to the level s; stiffer ones take ¼ (2 s − sⱼ), and nothing where that
+//! is negative. All this rises with s. The level of a body is the highest up to 1 at which its coordinates take ¼ together; of
+//! two bodies' levels the lower counts. A spring that steps resolve, ω h < 1, keeps what swings on it, and a stiff one comes to
+//! rest, as with levels above 1 it would not. Three quarters of M are left for what is not linear.
 
 use crate::featherstone::tables::{Forest, Node, is_rigid, motion, steiner};
 use glam::{DMat3, DQuat, DVec3};
@@ -193,7 +194,7 @@ impl Springs {
 
     fn implicitness(self) -> Vec<f64> {
         let shares = self.shares.into_iter();
-        let levels: HashMap<_, _> = shares.map(|(b, s)| (b, level(s))).collect();
+        let levels: HashMap<_, _> = shares.map(|(b, s)| (b, level(&s))).collect();
         let all = self.ratio.iter().zip(&self.bodies);
         all.map(|(ratio, bodies)| {
             let levels = bodies.iter().flatten().map(|body| levels[body]);
@@ -204,19 +205,25 @@ impl Springs {
     }
 }
 
-/// s for which Σ min(sⱼ, s) = 1; without end where no s is needed. What has no inertia, sⱼ = ∞, takes nothing: its Θ is 1.
-fn level(mut ratios: Vec<f64>) -> f64 {
-    ratios.retain(|s| s.is_finite());
-    ratios.sort_by(f64::total_cmp);
-    let mut left = 1.0;
-    for (i, s) in ratios.iter().enumerate() {
-        let others = (ratios.len() - i) as f64;
-        if s * others > left {
-            return left / others;
-        }
-        left -= s;
-    }
-    f64::MAX
+/// The highest s up to 1 at which those of a body take a quarter together. What has no inertia, sⱼ = ∞, takes nothing: its Θ is
+/// 1.
+fn level(ratios: &[f64]) -> f64 {
+    let taken = |s: f64| -> f64 {
+        let of = |r: &f64| if *r <= s { *r } else { (2.0 * s - r).max(0.0) };
+        ratios.iter().map(of).sum()
+    };
+    // It rises in straight lines from corner to corner.
+    let corners = ratios.iter().flat_map(|r| [0.5 * r, *r]);
+    let mut corners: Vec<_> = corners.filter(|s| *s < 1.0).collect();
+    corners.sort_by(f64::total_cmp);
+    corners.push(1.0);
+    let over = corners.partition_point(|s| taken(*s) <= 1.0);
+    let Some(end) = corners.get(over) else {
+        return 1.0;
+    };
+    let begin = if over > 0 { corners[over - 1] } else { 0.0 };
+    let [low, high] = [begin, *end].map(taken);
+    begin + (end - begin) * (1.0 - low) / (high - low)
 }
 
 fn least_inertia(node: &Node, parent: Option<&Node>) -> Least {
@@ -541,8 +548,7 @@ mod tests {
         };
         let about = DMat3::from_diagonal(DVec3::new(0.9, 1.2, 1.5));
         let pinned = about + steiner(3.0, DVec3::new(-0.3, 0.1, 0.4));
-        // Each of two springs has half of what its body bears.
-        close(stack(2), 0.5 / looseness_of(pinned));
+        close(stack(2), 1.0 / looseness_of(pinned));
         assert_eq!(stack(3), 0.0);
     }
 
@@ -720,8 +726,10 @@ mod tests {
 
     #[test]
     fn stiff_springs_leave_to_others_what_is_theirs() {
-        assert_eq!(level(vec![0.2, 0.3]), f64::MAX);
-        assert_eq!(level(vec![5.0]), 1.0);
-        assert_eq!(level(vec![5.0, 0.25, f64::INFINITY, 9.0]), 0.375);
+        assert_eq!(level(&[0.2, 0.3]), 1.0);
+        assert_eq!(level(&[5.0]), 1.0);
+        assert_eq!(level(&[5.0, 0.25, f64::INFINITY, 9.0]), 1.0);
+        assert_eq!(level(&[1.0, 1.0]), 0.75);
+        assert_eq!(level(&[0.5, 1.25, 0.75]), 0.625);
     }
 }
