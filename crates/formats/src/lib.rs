@@ -72,7 +72,7 @@ pub enum Meshes {
     /// triangles where bodies move, and what is hollow stays so but for a hundredth. The first piece
     /// has the place and name of the shape, the others stand after all shapes, with names that end in
     /// `_1`, `_2` and so on. It weighs what its surface holds. `.obj` and `.stl` files. Needs the feature
-    /// `decomposition`, and is an error without.
+    /// `decomposition`, and is an error without. Meshes that touch nothing stay what they are.
     Pieces,
 }
 

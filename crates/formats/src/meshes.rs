@@ -37,6 +37,8 @@ fn beside(inside: &str) -> impl Iterator<Item = String> + '_ {
 /// A mesh that was read.
 #[derive(Clone)]
 pub(crate) struct Read {
+    /// What messages call it.
+    name: String,
     /// Its triangles, as they are given.
     pub surface: TriangleMesh,
     /// What it becomes.
@@ -63,10 +65,19 @@ impl<'a> MeshReader<'a> {
         }
     }
 
-    /// What the mesh that an element uses becomes; `None` for what is no mesh, and where meshes are to
-    /// stay names of files.
+    /// What the mesh of an element that touches becomes; `None` for what is no mesh, and where meshes are to
+    /// stay names of files. Pieces are found of these alone, as it may take minutes.
     pub fn of(&self, element: &Element, mesh: &Geometry) -> Result<Option<Geometry>, FormatError> {
-        Ok(self.read(element, mesh)?.map(|read| read.geometry))
+        let Some(Read { name, geometry, .. }) = self.read(element, mesh)? else {
+            return Ok(None);
+        };
+        if self.meshes == Meshes::Pieces
+            && let Geometry::Mesh(surface) = &geometry
+        {
+            let found = self.pieces.find(&name, surface);
+            found.map_err(|problem| broken(element, problem))?;
+        }
+        Ok(Some(geometry))
     }
 
     /// The mesh that an element uses, with what it becomes; `None` as for that.
@@ -81,11 +92,8 @@ impl<'a> MeshReader<'a> {
     pub fn open(&self, element: &Element, mesh: &Geometry) -> Result<Option<Read>, FormatError> {
         let read = match mesh {
             Geometry::MeshFile { file, scale } => self.file(file, *scale),
-            Geometry::Mesh(surface) => {
-                let name = element.get("mesh").unwrap_or_default();
-                self.turn(name, surface.clone())
-            }
-            Geometry::Hull(hull) => convex(hull),
+            Geometry::Mesh(surface) => self.turn(name(element), surface.clone()),
+            Geometry::Hull(hull) => convex(name(element), hull),
             _ => return Ok(None),
         };
         read.map(Some).map_err(|problem| broken(element, problem))
@@ -111,9 +119,6 @@ impl<'a> MeshReader<'a> {
 
     /// What a surface becomes, which is called `name`.
     fn turn(&self, name: &str, surface: TriangleMesh) -> Result<Read, String> {
-        if self.meshes == Meshes::Pieces {
-            self.pieces.find(name, &surface)?;
-        }
         let geometry = match self.meshes {
             Meshes::ConvexHull => {
                 let hull = surface.convex_hull();
@@ -122,7 +127,11 @@ impl<'a> MeshReader<'a> {
             }
             _ => Geometry::Mesh(surface.clone()),
         };
-        Ok(Read { surface, geometry })
+        Ok(Read {
+            name: name.to_owned(),
+            surface,
+            geometry,
+        })
     }
 
     /// The path of the file of a `thing`, and what is in it. A ROS package is a folder of its name, beside the
@@ -186,10 +195,16 @@ impl<'a> MeshReader<'a> {
     }
 }
 
+/// The name of the mesh that an element uses, where its points are written.
+fn name(element: &Element) -> &str {
+    element.get("mesh").unwrap_or_default()
+}
+
 /// What is convex stays so.
-fn convex(hull: &Hull) -> Result<Read, String> {
+fn convex(name: &str, hull: &Hull) -> Result<Read, String> {
     let surface = TriangleMesh::new(hull.vertices(), hull.triangles());
     Ok(Read {
+        name: name.to_owned(),
         surface: surface.map_err(|e| e.to_string())?,
         geometry: Geometry::Hull(hull.clone()),
     })

@@ -22,9 +22,10 @@
 //! Σ sⱼ (¼ − ½ Θⱼ) ≤ ¼        sⱼ = h² kⱼ / mⱼ
 //! ```
 //!
-//! With Θⱼ = max(0, 1 − s/sⱼ) a coordinate takes at most ¼ min(sⱼ, s), and s is the level at which those of a body are
-//! ¼ together; of two bodies' levels the lower counts. A spring that steps resolve, ω h < 1, keeps what swings on it, and a
-//! stiff one comes to rest. Three quarters of M are left for what is not linear.
+//! With Θⱼ = max(0, 1 − s/sⱼ) a coordinate takes ¼ sⱼ up to the level s; stiffer ones take ¼ (2 s − sⱼ), and nothing where that
+//! is negative. All this rises with s. The level of a body is the highest up to 1 at which its coordinates take ¼ together; of
+//! two bodies' levels the lower counts. A spring that steps resolve, ω h < 1, keeps what swings on it, and a stiff one comes to
+//! rest, as with levels above 1 it would not. Three quarters of M are left for what is not linear.
 
 use crate::featherstone::tables::{Forest, Node, is_rigid, motion, steiner};
 use glam::{DMat3, DQuat, DVec3};
@@ -32,10 +33,10 @@ use model::{
     Axis, AxisKind, Body, BodyId, BodyKind, Joint, JointId, JointKind, MassProperties, Model, Pose,
 };
 use std::collections::HashMap;
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
-/// Where a turn is looked for the least inertia.
+/// At how many turns the least inertia is looked for.
 const TURNS: usize = 16;
 /// How often what holds it is cut by the golden section: to 10⁻⁴ rad.
 const CUTS: usize = 20;
@@ -84,13 +85,14 @@ pub(crate) fn one_by_one(
     let moves = |id: &BodyId| model.bodies[id.0].kind == BodyKind::Dynamic;
     let mut springs = Springs::new(model, h);
     let mut stiffest = vec![f64::INFINITY; springs.stiffness.len()];
+    let mut forest = Forest::empty(model);
     for (i, joint) in model.joints.iter().enumerate() {
         let (id, dofs) = (JointId(i), model.dof_range(JointId(i)));
         if joint.closes_loop || !joint.enabled || !springs.any(dofs.clone()) {
             continue;
         }
         let ends = [joint.parent, Some(joint.child)].map(|end| end.filter(moves));
-        let forest = Forest::of_joint(model, id);
+        forest.take_joint(model, id);
         for node in &forest.nodes {
             let own = node.dof..node.dof + node.dofs();
             let least = least_inertia(node, node.parent.map(|p| &forest.nodes[p]));
@@ -192,7 +194,7 @@ impl Springs {
 
     fn implicitness(self) -> Vec<f64> {
         let shares = self.shares.into_iter();
-        let levels: HashMap<_, _> = shares.map(|(b, s)| (b, level(s))).collect();
+        let levels: HashMap<_, _> = shares.map(|(b, s)| (b, level(&s))).collect();
         let all = self.ratio.iter().zip(&self.bodies);
         all.map(|(ratio, bodies)| {
             let levels = bodies.iter().flatten().map(|body| levels[body]);
@@ -203,19 +205,25 @@ impl Springs {
     }
 }
 
-/// s for which Σ min(sⱼ, s) = 1; without end where no s is needed. What has no inertia, sⱼ = ∞, takes nothing: its Θ is 1.
-fn level(mut ratios: Vec<f64>) -> f64 {
-    ratios.retain(|s| s.is_finite());
-    ratios.sort_by(f64::total_cmp);
-    let mut left = 1.0;
-    for (i, s) in ratios.iter().enumerate() {
-        let others = (ratios.len() - i) as f64;
-        if s * others > left {
-            return left / others;
-        }
-        left -= s;
-    }
-    f64::MAX
+/// The highest s up to 1 at which those of a body take a quarter together. What has no inertia, sⱼ = ∞, takes nothing: its Θ is
+/// 1.
+fn level(ratios: &[f64]) -> f64 {
+    let taken = |s: f64| -> f64 {
+        let of = |r: &f64| if *r <= s { *r } else { (2.0 * s - r).max(0.0) };
+        ratios.iter().map(of).sum()
+    };
+    // It rises in straight lines from corner to corner.
+    let corners = ratios.iter().flat_map(|r| [0.5 * r, *r]);
+    let mut corners: Vec<_> = corners.filter(|s| *s < 1.0).collect();
+    corners.sort_by(f64::total_cmp);
+    corners.push(1.0);
+    let over = corners.partition_point(|s| taken(*s) <= 1.0);
+    let Some(end) = corners.get(over) else {
+        return 1.0;
+    };
+    let begin = if over > 0 { corners[over - 1] } else { 0.0 };
+    let [low, high] = [begin, *end].map(taken);
+    begin + (end - begin) * (1.0 - low) / (high - low)
 }
 
 fn least_inertia(node: &Node, parent: Option<&Node>) -> Least {
@@ -227,27 +235,32 @@ fn least_inertia(node: &Node, parent: Option<&Node>) -> Least {
     }
 }
 
-/// mⱼ of a hinge, in the worst of its turns. It dips where slender bodies come to turn about their own axes, so the lowest of
-/// some turns are looked around.
+/// mⱼ of a hinge, in the worst of its turns.
 fn about(node: &Node, parent: Option<&Node>, axis: DVec3) -> f64 {
     let speed = axis.cross(node.center);
     let at = |turn: f64| {
         let turn = DQuat::from_axis_angle(axis, turn);
         inertia(node, parent, Pose::new(DVec3::ZERO, turn), axis, speed)
     };
-    if parent.is_none() {
-        return at(0.0);
+    match parent {
+        None => at(0.0),
+        Some(_) => least_of_turns(at, TAU),
     }
-    let step = TAU / TURNS as f64;
+}
+
+/// The least of what comes again after a `period` [rad]. It dips where slender bodies come to turn about their own axes, so the
+/// lowest of some turns are looked around.
+fn least_of_turns(at: impl Fn(f64) -> f64, period: f64) -> f64 {
+    let step = period / TURNS as f64;
     let around: [f64; TURNS] = std::array::from_fn(|i| at(step * i as f64));
+    // The first of those that are alike, and none where all are.
     let lowest = |i: &usize| {
         let (before, after) = (around[(i + TURNS - 1) % TURNS], around[(i + 1) % TURNS]);
-        around[*i] <= before && around[*i] <= after
+        around[*i] < before && around[*i] <= after
     };
-    (0..TURNS)
-        .filter(lowest)
-        .map(|i| around[i].min(dip(at, step * i as f64, step)))
-        .fold(f64::INFINITY, f64::min)
+    let dips = (0..TURNS).filter(lowest);
+    let dips = dips.map(|i| dip(&at, step * i as f64, step));
+    around.into_iter().chain(dips).fold(f64::INFINITY, f64::min)
 }
 
 /// The least that is found within `reach` of a place, by golden sections.
@@ -274,13 +287,39 @@ fn dip(at: impl Fn(f64) -> f64, middle: f64, reach: f64) -> f64 {
     found[0].min(found[1])
 }
 
-/// mⱼ of a slide, where both centres of mass are level: there the bodies give way most, or nearly so.
+/// mⱼ of a slide, in the worst of its places: where both centres of mass are level, or where slender bodies turn about the
+/// line between them. With that line by s along the axis a and by r along e beside it, and J as [below](inertia) but for
+/// the row and column across a and e, about which the bodies turn as the slide pushes,
+///
+/// ```text
+/// det J = μ a·C a ((s − s₀)² + w²)        C = I + I'
+/// ```
+///
+/// and what is divided by that is a sinusoid of 2 φ where s = s₀ + w tan φ: sixteen places find how it dips, however narrow.
 fn along(node: &Node, parent: Option<&Node>, axis: DVec3) -> f64 {
-    let apart = parent.map_or(0.0, |p| {
-        let center = node.place.inverse().point(p.center);
-        axis.dot(center - node.center)
-    });
-    inertia(node, parent, Pose::at(axis * apart), DVec3::ZERO, axis)
+    let at = |moved: f64| inertia(node, parent, Pose::at(axis * moved), DVec3::ZERO, axis);
+    let Some(parent) = parent else {
+        return at(0.0);
+    };
+    let seen = node.place.inverse();
+    let way = node.center - seen.point(parent.center);
+    let (level, beside) = (-axis.dot(way), way.reject_from_normalized(axis));
+    let both = node.inertia + turned(parent.inertia, seen.orientation);
+    let (own, aside) = (axis.dot(both * axis), beside.normalize_or_zero());
+    let (mixed, others) = (axis.dot(both * aside), aside.dot(both * aside));
+    let middle = level - beside.length() * mixed / own;
+    let share = 1.0 / node.mass + 1.0 / parent.mass + beside.length_squared() / own;
+    let width = ((others - mixed * mixed / own) * share).max(0.0).sqrt();
+    // None of the turns that are looked at is a right angle, where the bodies are infinitely far apart.
+    let first = PI / (2 * TURNS) as f64;
+    let around = |turn: f64| at(middle + width * (first + turn).tan());
+    least_of_turns(around, PI).min(at(level))
+}
+
+/// An inertia in axes that are turned.
+fn turned(inertia: DMat3, turn: DQuat) -> DMat3 {
+    let turn = DMat3::from_quat(turn);
+    turn * inertia * turn.transpose()
 }
 
 /// The least twice the kinetic energy of a node with its parent, which moves as it likes, where the node turns by `spin` and
@@ -297,8 +336,7 @@ fn inertia(node: &Node, parent: Option<&Node>, moved: Pose, spin: DVec3, speed: 
         return spin.dot(own) + node.mass * speed.length_squared();
     };
     let seen = (node.place * moved).inverse();
-    let turn = DMat3::from_quat(seen.orientation);
-    let others = turn * parent.inertia * turn.transpose();
+    let others = turned(parent.inertia, seen.orientation);
     let reduced = node.mass * parent.mass / (node.mass + parent.mass);
     let way = node.center - seen.point(parent.center);
     let momentum = own + reduced * way.cross(speed);
@@ -374,44 +412,63 @@ fn looseness_of(inertia: DMat3) -> f64 {
     1.0 / body.principal().0.min_element().max(0.0)
 }
 
-/// Inertia of a joint's degrees of freedom, one by one, where the joint does not hold its bodies, either, as the model has them.
+/// The least inertia of a joint's degrees of freedom, one by one, where the joint does not hold its bodies, either, wherever
+/// these are. A turn is taken for one about a unit axis, though gradients of three that nearly lie in a plane are longer.
 fn free_inertia(model: &Model, joint: &Joint) -> Vec<f64> {
-    let end = |id: BodyId, frame: Pose| {
-        let body = &model.bodies[id.0];
-        (body.kind == BodyKind::Dynamic).then_some((body, frame))
-    };
-    let parent = joint.parent.and_then(|id| end(id, joint.parent_frame));
-    let ends = || {
-        end(joint.child, joint.child_frame)
-            .into_iter()
-            .chain(parent)
-    };
-    let all = |axis: &Axis| -> f64 { ends().map(|(b, frame)| response(b, frame, axis)).sum() };
     let each = |axis: fn(DVec3) -> Axis| [DVec3::X, DVec3::Y, DVec3::Z].map(axis);
     let axes = match joint.kind {
         JointKind::Ball => each(Axis::angular).to_vec(),
         JointKind::Free => [each(Axis::linear), each(Axis::angular)].concat(),
         _ => joint.axes.clone(),
     };
-    axes.iter().map(|axis| 1.0 / all(axis)).collect()
+    let turned = |axis: &&Axis| axis.kind == AxisKind::Angular;
+    let anchor = axes.iter().find(turned).map_or(DVec3::ZERO, |a| a.anchor);
+    let dynamic = |id: BodyId| Some(&model.bodies[id.0]).filter(|b| b.kind == BodyKind::Dynamic);
+    let (parent, child) = (joint.parent.and_then(dynamic), dynamic(joint.child));
+    let corners = travelled(joint, anchor);
+    let corners = corners.into_iter().map(|p| joint.parent_frame.point(p));
+    let corners: Vec<_> = corners.collect();
+    let arm = joint.child_frame.point(anchor);
+    let response = |axis: &Axis| {
+        let ends = parent.into_iter().chain(child);
+        if axis.kind == AxisKind::Angular {
+            return ends.map(|body| looseness_of(body.inertia)).sum();
+        }
+        // It is fixed in the parent, and any way in the child.
+        let way = joint.parent_frame.orientation * axis.direction;
+        let of_parent = parent.map_or(0.0, |body| {
+            let arms = corners.iter().map(|p| (*p - body.center).cross(way));
+            pushed(body, arms.map(DVec3::length).fold(0.0, f64::max))
+        });
+        of_parent + child.map_or(0.0, |body| pushed(body, arm.distance(body.center)))
+    };
+    axes.iter().map(|axis| 1.0 / response(axis)).collect()
 }
 
-/// Change of the rate along an axis by a unit impulse on one of a joint's bodies, the joint's frame in it.
-fn response(body: &Body, frame: Pose, axis: &Axis) -> f64 {
-    let direction = frame.orientation * axis.direction;
-    match axis.kind {
-        AxisKind::Angular => direction.dot(body.inertia.inverse() * direction),
-        AxisKind::Linear => {
-            let turn = (frame.position - body.center).cross(direction);
-            1.0 / body.mass + turn.dot(body.inertia.inverse() * turn)
-        }
+/// Change of a point's speed along a push by a unit of it, the line of the push at most an `arm` [m] from the body's centre.
+fn pushed(body: &Body, arm: f64) -> f64 {
+    1.0 / body.mass + arm * arm * looseness_of(body.inertia)
+}
+
+/// Where a point of the child's joint frame gets in the parent's, by the slides before all turns: the corners of their ranges.
+/// One without ends counts as where both frames meet, as nothing is known of where it gets.
+fn travelled(joint: &Joint, point: DVec3) -> Vec<DVec3> {
+    let mut places = vec![point];
+    let slides = joint.axes.iter().zip(&joint.dofs);
+    for (axis, dof) in slides.filter(|(axis, _)| axis.kind == AxisKind::Linear) {
+        let ends = dof.limit.map(|l| [l.lower, l.upper]);
+        let ends = ends.unwrap_or([axis.reference; 2]);
+        let ends = ends.map(|end| end - axis.reference);
+        let moved = |p: DVec3| ends.map(|way| p + way * axis.direction);
+        places = places.into_iter().flat_map(moved).collect();
     }
+    places
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use model::{Builder, JointDraft, Object};
+    use model::{Builder, JointDraft, Limit, Object};
 
     const STIFF: f64 = 1e6;
 
@@ -491,12 +548,12 @@ mod tests {
         };
         let about = DMat3::from_diagonal(DVec3::new(0.9, 1.2, 1.5));
         let pinned = about + steiner(3.0, DVec3::new(-0.3, 0.1, 0.4));
-        // Each of two springs has half of what its body bears.
-        close(stack(2), 0.5 / looseness_of(pinned));
+        close(stack(2), 1.0 / looseness_of(pinned));
         assert_eq!(stack(3), 0.0);
     }
 
-    /// Two pendulums, the second fixed to a plate: only its own mass is near enough, in two parts; so are all three turns.
+    /// Two pendulums, the second fixed to a plate: only its own mass is near enough, in two parts; so are all three turns, each
+    /// with the least moment, which it may come to be about.
     #[test]
     fn joints_that_share_a_body_are_as_stiff_as_it_bears() {
         let mut world = Builder::new("spring");
@@ -510,8 +567,42 @@ mod tests {
         object.fixed("bolt", plate).parent(second);
         let model = world.build().unwrap();
         let found = one_by_one(&model, 0.1, |_| Some(2.0)).stiffest;
-        for (found, inertia) in found.into_iter().zip([0.3, 0.4, 0.5, 0.9 + 0.25]) {
+        for (found, inertia) in found.into_iter().zip([0.3, 0.3, 0.3, 0.9 + 0.25]) {
             close(found, inertia / 0.01);
+        }
+    }
+
+    /// A slide along x with a hinge 0.2 m above: it pushes the child at up to the centre's distance from the hinge, wherever that
+    /// has turned to, and the parent beside its centre, however far it is along x. A second slide along y, from −1 to 2 m, brings
+    /// it 1.9 m beside.
+    #[test]
+    fn slides_that_turn_are_as_stiff_as_the_longest_arms_bear() {
+        let stiffest = |sideways: bool| {
+            let mut world = Builder::new("spring");
+            let object = world.object("");
+            let first = body(object, "first", 2.0, DVec3::new(0.7, 0.1, 0.0));
+            let second = body(object, "second", 3.0, DVec3::new(-0.3, 0.1, 0.4));
+            let hinge = Axis {
+                anchor: DVec3::Z * 0.2,
+                ..Axis::angular(DVec3::Z)
+            };
+            let slides = [DVec3::X, DVec3::Y].map(Axis::linear);
+            let slides = &slides[..1 + usize::from(sideways)];
+            let joint = object.d6("both", second, &[slides, &[hinge]].concat());
+            spring(joint).parent(first).limit(Limit {
+                lower: -1.0,
+                upper: 2.0,
+                stiffness: 1.0,
+                damping: 0.0,
+                inertia: 0.0,
+            });
+            let model = world.build().unwrap();
+            one_by_one(&model, 1.0, |_| Some(1.0)).stiffest[0]
+        };
+        let carried = 1.0 / 3.0 + DVec3::new(0.3, -0.1, -0.2).length_squared() / 0.9;
+        for (sideways, y) in [(false, 0.1), (true, 1.9)] {
+            let carries = 0.5 + DVec3::new(0.0, y, 0.2).length_squared() / 0.6;
+            close(stiffest(sideways), 1.0 / (carries + carried));
         }
     }
 
@@ -584,10 +675,61 @@ mod tests {
         assert!((found / expected - 1.0).abs() < 0.01, "{found} {expected}");
     }
 
+    /// Two rods side by side on a slide along x, in many attitudes: no place has less than what is found, though some have
+    /// less than where they are level.
+    #[test]
+    fn slender_rods_are_met_where_they_turn_about_the_line_between_them() {
+        let (thin, long) = (5e-5, 1.0 / 12.0);
+        let cases: i32 = 300;
+        let mut lowest = 1.0_f64;
+        for case in 0..cases {
+            let height = f64::from(2 * case + 1) / f64::from(cases) - 1.0;
+            let (sin, cos) = (2.4 * f64::from(case)).sin_cos();
+            let rod =
+                DVec3::new(cos, sin, 0.0) * (1.0 - height * height).sqrt() + DVec3::Z * height;
+            let inertia = steiner(long - thin, rod) + DMat3::IDENTITY * thin;
+            let mut world = Builder::new("rods");
+            let object = world.object("");
+            let [first, second] = ["first", "second"].map(|name| {
+                object
+                    .body(name)
+                    .inertia(1.0, DVec3::ZERO, inertia)
+                    .handle()
+            });
+            object.free("float", first);
+            let joint = object.prismatic("slide", second, DVec3::X);
+            joint
+                .parent(first)
+                .frames(Pose::at(DVec3::Y * 0.6), Pose::IDENTITY);
+            let model = world.build().unwrap();
+            let forest = Forest::new(&model);
+            let [parent, node] = &forest.nodes[..] else {
+                panic!("two nodes");
+            };
+            let at = |way: f64| {
+                super::inertia(
+                    node,
+                    Some(parent),
+                    Pose::at(DVec3::X * way),
+                    DVec3::ZERO,
+                    DVec3::X,
+                )
+            };
+            let found = along(node, Some(parent), DVec3::X);
+            let least = (-4000..=4000).map(|i| at(1e-3 * f64::from(i)));
+            let least = least.fold(f64::INFINITY, f64::min);
+            assert!(found < least * (1.0 + 1e-5), "{case}: {found} {least}");
+            lowest = lowest.min(found / at(0.0));
+        }
+        assert!(lowest < 0.5, "{lowest}");
+    }
+
     #[test]
     fn stiff_springs_leave_to_others_what_is_theirs() {
-        assert_eq!(level(vec![0.2, 0.3]), f64::MAX);
-        assert_eq!(level(vec![5.0]), 1.0);
-        assert_eq!(level(vec![5.0, 0.25, f64::INFINITY, 9.0]), 0.375);
+        assert_eq!(level(&[0.2, 0.3]), 1.0);
+        assert_eq!(level(&[5.0]), 1.0);
+        assert_eq!(level(&[5.0, 0.25, f64::INFINITY, 9.0]), 1.0);
+        assert_eq!(level(&[1.0, 1.0]), 0.75);
+        assert_eq!(level(&[0.5, 1.25, 0.75]), 0.625);
     }
 }

@@ -6,7 +6,7 @@
 //! (m + m') a = m a₀ − m' (k r + b v)
 //! ```
 //!
-//! is a spring of stiffness m' k, a damper m' b and an armature m'.
+//! is a spring of stiffness m' k, a damper m' b and an armature m', with the impedance at half the width, whatever the load.
 
 use super::joint::solref;
 use super::option::Physics;

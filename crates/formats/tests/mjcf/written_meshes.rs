@@ -169,6 +169,25 @@ fn points_without_faces_are_their_convex_hull() {
     }
 }
 
+/// That needs no feature, nor the minutes that it may take: what is seen or weighed alone, and what others are fitted to.
+#[test]
+fn what_does_not_touch_stays_whole() {
+    let surface = surface();
+    let text = format!(
+        r#"<mujoco><asset><mesh name="m" {surface}/></asset>
+        <worldbody><geom name="seen" type="mesh" mesh="m" {SEEN}/>
+        <body><freejoint/><geom name="fitted" type="box" mesh="m"/>
+        <geom name="weighed" type="mesh" mesh="m" contype="0" conaffinity="0"/></body></worldbody></mujoco>"#
+    );
+    let loaded = read_with(&text, &taking(Meshes::Pieces));
+    let fitted = &shape(&loaded, "fitted").geometry;
+    assert!(matches!(fitted, Geometry::Box { .. }), "{fitted:?}");
+    for name in ["seen", "weighed"] {
+        let whole = &shape(&loaded, name).geometry;
+        assert!(matches!(whole, Geometry::Mesh(_)), "{whole:?}");
+    }
+}
+
 #[cfg(feature = "decomposition")]
 #[test]
 fn what_is_written_and_touches_comes_apart() {

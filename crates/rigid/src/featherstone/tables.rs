@@ -473,7 +473,8 @@ fn along_limbs(forest: &Forest, children: &[Vec<usize>]) -> Vec<usize> {
 }
 
 impl Forest {
-    fn empty(model: &Model) -> Self {
+    /// No node, and all bodies in the world.
+    pub fn empty(model: &Model) -> Self {
         let world = Seat {
             node: None,
             place: Pose::IDENTITY,
@@ -505,17 +506,19 @@ impl Forest {
         forest
     }
 
-    /// The bodies of one joint of the tree by themselves, its parent free.
-    pub fn of_joint(model: &Model, id: JointId) -> Self {
-        let mut forest = Self::empty(model);
+    /// Becomes that of the bodies of one joint of the tree by themselves, its parent free. Only their seats are known then, so
+    /// that one forest serves all joints of a model, however many it has.
+    pub fn take_joint(&mut self, model: &Model, id: JointId) {
+        self.nodes.clear();
+        self.bases.truncate(1);
         let Joint { parent, child, .. } = model.joints[id.0];
         if let Some(parent) = parent {
             let body = &model.bodies[parent.0];
             let place = Pose::IDENTITY;
-            forest.seats[parent.0] = match body.kind {
+            self.seats[parent.0] = match body.kind {
                 BodyKind::Dynamic => {
-                    let n = forest.push(None, place, Vec::new());
-                    forest.nodes[n].weld(body, place);
+                    let n = self.push(None, place, Vec::new());
+                    self.nodes[n].weld(body, place);
                     Seat {
                         node: Some(n),
                         place,
@@ -527,11 +530,10 @@ impl Forest {
                 },
             };
         }
-        let Seat { node, place } = forest.seat(model, child);
+        let Seat { node, place } = self.seat(model, child);
         if let Some(n) = node {
-            forest.nodes[n].weld(&model.bodies[child.0], place);
+            self.nodes[n].weld(&model.bodies[child.0], place);
         }
-        forest
     }
 
     /// Finds the nodes whose last motion [turns about itself](wheel::rolls) all of theirs that touches, which is this.

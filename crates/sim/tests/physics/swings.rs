@@ -3,6 +3,7 @@
 use crate::common::*;
 use fastrand::Rng;
 use glam::{DMat3, DQuat, DVec3};
+use kinetarium_sim::Simulation;
 use model::{Axis, BodyHandle, Builder, Drive, Model, Pose};
 
 /// Symplectic Euler keeps v² + ω² q² − h ω² q v, ω = √(k/m), to rounding.
@@ -151,6 +152,43 @@ fn no_ball_is_too_stiff_nor_what_an_armature_swings() {
     }
 }
 
+/// Two rods side by side on a slide, the first free: they have 0.09 kg along it where they are level, but a fifth of that
+/// 66 mm farther, where they turn about the line between them.
+#[test]
+fn rods_are_stable_where_a_slide_brings_them_to_turn_about_themselves() {
+    let (radius, rod) = (0.01, DVec3::new(-0.111, -0.983, 0.146).normalize());
+    let (thin, long) = (0.5 * radius * radius, 1.0 / 12.0 + 0.25 * radius * radius);
+    let along = DMat3::from_cols(rod * rod.x, rod * rod.y, rod * rod.z);
+    let inertia = DMat3::IDENTITY * long - along * (long - thin);
+    let (h, stiffness, rest) = (2e-3, 22988.0, 0.0655);
+    for way in [-1.0, 1.0] {
+        let mut world = Builder::new("rods");
+        world.gravity(DVec3::ZERO);
+        let object = world.object("");
+        let [first, second] = ["first", "second"].map(|name| {
+            let body = object.body(name);
+            body.inertia(1.0, DVec3::ZERO, inertia).handle()
+        });
+        object.free("float", first);
+        let slide = object.prismatic("slide", second, DVec3::X);
+        let beside = Pose::at(DVec3::Y * 0.607);
+        slide.parent(first).frames(beside, Pose::IDENTITY);
+        slide.spring(stiffness, way * rest);
+        let model = world.build().unwrap();
+        for method in SOLVERS {
+            let mut simulation = method.simulate::<f64>(&model, h);
+            let mut place = model.initial_position();
+            let slid = place.len() - 1;
+            place[slid] = way * rest + 1e-6;
+            let speeds = vec![0.0; model.degrees_of_freedom()];
+            simulation.set_joint_state(0, &place, &speeds).unwrap();
+            simulation.step(20);
+            let off = simulation.outputs().joint_position(0)[slid] - way * rest;
+            assert!(off.abs() <= 1.1e-6, "{method:?} {way}: {off}");
+        }
+    }
+}
+
 /// Joints that share a body are pushed one by one, and yet what swings on them goes on, and is fed nothing.
 #[test]
 fn joints_that_share_a_body_keep_what_swings() {
@@ -165,6 +203,46 @@ fn joints_that_share_a_body_keep_what_swings() {
     kept.sort_by(f64::total_cmp);
     // What small steps do not resolve comes to rest.
     assert!(kept[15] > 0.9, "{kept:?}");
+}
+
+/// What a spring may do is told of each world's own masses: a chain that loses half of them again and again stays stable.
+#[test]
+fn a_world_that_gets_lighter_stays_stable() {
+    let chain = |mass: f64| {
+        let mut world = Builder::new("chain");
+        world.gravity(DVec3::ZERO);
+        let object = world.object("");
+        let mut last = None;
+        for i in 0..6 {
+            let moments = DMat3::from_diagonal(DVec3::new(1e-3, 5e-3, 5e-3) * mass);
+            let link = object.body(format!("link {i}"));
+            let link = link.inertia(mass, DVec3::X * 0.15, moments).handle();
+            let joint = object.revolute(format!("hinge {i}"), link, DVec3::Y);
+            joint.spring(1e7, 0.0);
+            if let Some(parent) = last {
+                let at = Pose::at(DVec3::X * 0.3);
+                joint.parent(parent).frames(at, Pose::IDENTITY);
+            }
+            last = Some(link);
+        }
+        world.build().unwrap()
+    };
+    let speeds = [1.0, -2.0, 3.0, -1.0, 2.0, -3.0];
+    for method in [EULER, XPBD, Method::Impulse(8)] {
+        let settings = method.settings(2, 2e-3);
+        let mut simulation = Simulation::<f64>::new(chain(1.0), settings).unwrap();
+        for halvings in 1..=6 {
+            let lighter = chain(0.5_f64.powi(halvings));
+            simulation.set_world_model(1, &lighter).unwrap();
+            simulation.set_joint_state(1, &[0.0; 6], &speeds).unwrap();
+            let before = simulation.outputs().energy(1);
+            for _ in 0..50 {
+                simulation.step(10);
+                let share = simulation.outputs().energy(1) / before;
+                assert!(share <= 3.0, "{method:?} {halvings}: {share}");
+            }
+        }
+    }
 }
 
 /// Two links held out level by a drive each: they come to rest where the drives' stiffness says, or where that is more than a
