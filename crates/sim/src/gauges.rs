@@ -228,7 +228,9 @@ impl<T: Float> Simulation<T> {
                 vec![Motion(model.joints[joint.0].child), Reaction(*joint)]
             }
             Gauge::Touch(body) => contacts(*body),
-            Gauge::Pressing(_) | Gauge::Overlapping(_) | Gauge::PairForce(_) => vec![Contacts],
+            Gauge::Pressing(pairs) | Gauge::Overlapping(pairs) | Gauge::PairForce(pairs) => {
+                vec![Contacts; usize::from(!pairs.is_empty())]
+            }
             Gauge::ContactForce(body, _) => [contacts(*body), vec![Motion(*body)]].concat(),
             Gauge::FramePose(frames) => mounts(frames),
             Gauge::FrameVelocity(mount, _) => mounts(std::slice::from_ref(mount)),

@@ -8,7 +8,7 @@ mod models;
 use every_gauge::every_gauge;
 use glam::{DQuat, DVec3};
 use kinetarium_sim::{
-    Effort, FLAGS, Gauge, Gauges, Outputs, Simulation, SimulationError, SimulationSettings,
+    Effort, FLAGS, Gauge, Gauges, Outputs, Report, Simulation, SimulationError, SimulationSettings,
     SolverKind,
 };
 use model::{Axes, BodyId, BodyKind, JointId, Model, Mount, Pose, ShapeId};
@@ -418,4 +418,25 @@ fn what_there_is_not_is_refused() {
     let mut other = stirred::<f32>(&model, SolverKind::Xpbd, 2);
     let told = other.read_gauges(&mut gauges, &[0]).unwrap_err();
     assert!(matches!(told, SimulationError::OtherModel(_)), "{told}");
+}
+
+/// Nothing is worked out for pairs where there are none.
+#[test]
+fn no_pairs_need_no_contacts() {
+    let model = models::mixed(false).unwrap();
+    let joints = Vec::from_iter((0..model.joints.len()).map(JointId));
+    for solver in ALL {
+        let simulation = stirred::<f32>(&model, solver, 1);
+        let needs = |pairs: Vec<[ShapeId; 2]>| {
+            let gauges = simulation.gauges(vec![
+                Gauge::Pressing(pairs.clone()),
+                Gauge::Overlapping(pairs.clone()),
+                Gauge::PairForce(pairs),
+                Gauge::AtEnd(joints.clone()),
+            ]);
+            gauges.unwrap().needs()
+        };
+        assert_eq!(needs(vec![]), Report::Joints);
+        assert_eq!(needs(vec![[ShapeId(0), ShapeId(1)]]), Report::Contacts);
+    }
 }
