@@ -5,7 +5,7 @@ use kinetarium_sim::{
     Processor, Quantity, Simulation, SimulationError, SimulationSettings, SolverKind, Watch,
 };
 use model::examples::{Start, chain, tower};
-use model::{BodyId, CollisionFilter, JointId, Model, Mount};
+use model::{BodyId, CollisionFilter, JointId, Model, Mount, ShapeId};
 use numbers::Memory;
 use rigid::impulse::Impulse;
 use rigid::{Instrument, Report, Solver};
@@ -147,6 +147,8 @@ struct Notes {
     output: Vec<Vec<Range<usize>>>,
     /// In which worlds an instrument is.
     measured: Vec<Vec<usize>>,
+    /// Whether with constants of each world.
+    own: Vec<bool>,
     /// Whose constants are written.
     given: Vec<Vec<usize>>,
     /// What is reported.
@@ -211,11 +213,13 @@ impl DeviceWorlds<f32> for NotingWorlds {
     fn measure(
         &mut self,
         _: &Arc<Instrument>,
-        _: Option<&Constants<f32>>,
+        own: Option<&Constants<f32>>,
         worlds: &[usize],
         _: &mut Memory<f32>,
     ) -> Result<bool, DeviceError> {
-        self.0.lock().unwrap().measured.push(worlds.to_vec());
+        let mut notes = self.0.lock().unwrap();
+        notes.measured.push(worlds.to_vec());
+        notes.own.push(own.is_some());
         Ok(true)
     }
 }
@@ -367,5 +371,31 @@ fn watching_costs_a_report_a_substep() {
             let told = std::mem::take(&mut device.0.lock().unwrap().reports);
             assert_eq!(told, [expected; 3], "{solver:?} {watched:?}");
         }
+    }
+}
+
+/// What touches what follows from shapes that worlds of all models have.
+#[test]
+fn pairs_and_touch_have_no_constants_of_worlds() {
+    let device = Noting::default();
+    let model = tower(3, 0.001).unwrap();
+    let settings = SimulationSettings {
+        solver: SolverKind::Featherstone,
+        ..SimulationSettings::new(2, 0.004)
+    };
+    let mut simulation = Simulation::on(&device, model.clone(), settings).unwrap();
+    simulation.set_world_model(1, &model).unwrap();
+    let pairs = vec![[ShapeId(0), ShapeId(1)], [ShapeId(2), ShapeId(1)]];
+    for (gauge, expected) in [
+        (Gauge::Pressing(pairs.clone()), false),
+        (Gauge::Overlapping(pairs.clone()), false),
+        (Gauge::PairForce(pairs), false),
+        (Gauge::Touch(BodyId(0)), false),
+        (Gauge::CenterOfMass(None), true),
+    ] {
+        let mut gauges = simulation.gauges(vec![gauge.clone()]).unwrap();
+        simulation.read_gauges(&mut gauges, &[0, 1]).unwrap();
+        let own = std::mem::take(&mut device.0.lock().unwrap().own);
+        assert_eq!(own, [expected], "{gauge:?}");
     }
 }
