@@ -242,6 +242,7 @@ fn measured(kernels: &impl Kernels, model: &Model, world: &mut World<f32>) -> Ve
         outputs: &kernels.outputs(),
         inputs: &InputTables::new(model),
         contact_shapes: kernels.contact_shapes(),
+        acting: &vec![1.0; model.degrees_of_freedom()],
     };
     let gauges = Gauges::new(model, &reported, &every_gauge(model));
     let record = records::instrument(&Instrument::Gauges(gauges.clone())).unwrap();

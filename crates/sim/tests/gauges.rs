@@ -383,6 +383,28 @@ fn worlds_are_read_by_their_own_numbers() {
     assert_eq!(known, expected, "and the first one again");
 }
 
+/// By `impulse`, drives and servos of a world act with as much of their stiffness as its own model's small steps resolve: with
+/// some 10⁴ N·m/rad of a hand of 0.002 kg·m².
+#[test]
+fn worlds_have_their_own_shares_of_stiffness() {
+    let model = models::mixed(false).unwrap();
+    let mut simulation = stirred::<f64>(&model, SolverKind::Impulse, 3);
+    let mut stiff = model.clone().into_parts();
+    for dof in stiff.joints.iter_mut().flat_map(|joint| &mut joint.dofs) {
+        dof.drive.stiffness *= 1e6;
+    }
+    stiff.actuators.iter_mut().for_each(|a| a.bias[1] *= 1e6);
+    let stiff = Model::new(stiff).unwrap();
+    simulation.set_world_model(1, &stiff).unwrap();
+    agree(&mut simulation, 1e-11);
+    let wrist = Gauge::JointEffort(vec![model.joint("wrist").unwrap()]);
+    let mut gauges = simulation.gauges(vec![wrist]).unwrap();
+    simulation.read_gauges(&mut gauges, &[0, 1]).unwrap();
+    let [plain, stiff] = [0, 1].map(|world| DVec3::from_slice(&read(&gauges, world, &(0..3))));
+    let more = stiff.length() / plain.length();
+    assert!((100.0..1e4).contains(&more), "{more}");
+}
+
 #[test]
 fn what_there_is_not_is_refused() {
     let model = models::mixed(false).unwrap();

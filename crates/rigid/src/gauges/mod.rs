@@ -45,9 +45,10 @@ pub enum Gauge {
     /// Velocities of joints [m/s or rad/s].
     JointVelocity(Vec<JointId>),
     /// Forces of drives, actuators and a controller along degrees of freedom [N or N·m], by their laws at the present
-    /// state; drives take their targets as they are set, without a control time.
+    /// state, with as much of their stiffness as acts; drives take their targets as they are set, without a control time.
     JointEffort(Vec<JointId>),
-    /// Forces of actuators before their gears [N or N·m], by their laws at the present state; the rows of these.
+    /// Forces of actuators before their gears [N or N·m], by their laws at the present state, with as much of their stiffness
+    /// as acts; the rows of these.
     ActuatorForce(Vec<usize>),
     /// Acceleration of a frame's origin less that of gravity [m/s²], angular velocity [rad/s], in the frame's axes: 6.
     Imu(Mount),
@@ -111,6 +112,9 @@ pub struct Reported<'a> {
     /// The shapes of each row of contacts; none where they change from step to step, as they do only of solvers that step
     /// one world at a time.
     pub contact_shapes: &'a [[ShapeId; 2]],
+    /// The share of the stiffness along each degree of freedom that acts, by this model's numbers: see
+    /// [`Impulse::acting`](crate::impulse::Impulse::acting); of other solvers 1.
+    pub acting: &'a [f64],
 }
 
 /// Where gauges write.
@@ -153,13 +157,13 @@ impl AllNotes {
             }
             Gauge::JointEffort(joints) => {
                 for &joint in joints {
-                    self.efforts.joint(model, joint, to);
+                    self.efforts.joint((model, all), joint, to);
                     to += model.dof_range(joint).len();
                 }
             }
             Gauge::ActuatorForce(rows) => {
                 for (i, &row) in rows.iter().enumerate() {
-                    self.efforts.actuator(model, (row, 1.0), to + i);
+                    self.efforts.actuator((model, all), (row, 1.0), to + i);
                 }
             }
             Gauge::Imu(mount) => self.frames.imu(model, mount, to),
