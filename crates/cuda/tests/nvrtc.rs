@@ -89,6 +89,7 @@ fn gauges_are_compiled_exactly() {
         outputs: &kernels.outputs(),
         inputs: &InputTables::new(&model),
         contact_shapes: kernels.contact_shapes(),
+        acting: &vec![1.0; model.degrees_of_freedom()],
     };
     let gauges = Gauges::new(&model, &reported, &every_gauge(&model));
     let gauges = Instrument::Gauges(gauges);

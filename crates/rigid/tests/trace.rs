@@ -1,17 +1,23 @@
 //! Whole solvers recorded: loops stay loops, the record prints as valid WGSL, and
 //! run step by step it keeps the bits of the kernel.
 
+extern crate kinetarium_rigid as rigid;
+
+#[path = "scene/every_gauge.rs"]
+mod every_gauge;
 mod scene;
 #[path = "../../collide/tests/shader/mod.rs"]
 mod shader;
 
+use every_gauge::every_gauge;
 use kinetarium_rigid::{
-    Featherstone, Integrator, Kernels, OutputTables, Report::Everything, Settings, Solver,
-    TouchingFeatherstone, Xpbd,
+    Featherstone, Gauges, InputTables, Instrument, Integrator, Kernels, OutputTables,
+    Report::Everything, Reported, Settings, Solver, TouchingFeatherstone, Xpbd,
 };
 use model::Model;
 use model::examples::{Start, chain};
 use numbers::trace::{Operations, PrintOptions, Program};
+use numbers::{Cpu, Shared};
 use records::Programs;
 use scene::{World, heap, looped, mixed, parameters};
 
@@ -228,4 +234,59 @@ fn a_world_that_diverges_stays_where_it_was() {
     for kernels in xpbds(&model) {
         stays_when_it_diverges(&kernels, &model);
     }
+}
+
+/// What gauges of a world read, by their kernel and by its record, which must agree to the bit.
+fn measured(kernels: &impl Kernels, model: &Model, world: &mut World<f32>) -> Vec<f32> {
+    let reported = Reported {
+        outputs: &kernels.outputs(),
+        inputs: &InputTables::new(model),
+        contact_shapes: kernels.contact_shapes(),
+        acting: &vec![1.0; model.degrees_of_freedom()],
+    };
+    let gauges = Gauges::new(model, &reported, &every_gauge(model));
+    let record = records::instrument(&Instrument::Gauges(gauges.clone())).unwrap();
+    validate(&record);
+    let sheet = gauges.sheet();
+    let parameters = Vec::from_iter(sheet.parameters.iter().map(|x| *x as f32));
+    let mut read = [(); 2].map(|()| vec![0.0; sheet.lengths.output]);
+    let mut scratch = vec![0.0; sheet.lengths.scratch];
+    for (recorded, read) in read.iter_mut().enumerate() {
+        let mut cpu = Cpu::<f32, _> {
+            state: &mut world.input,
+            input: &world.output,
+            output: read,
+            scratch: &mut scratch,
+            parameters: Shared(&parameters),
+            links: &sheet.links,
+        };
+        if recorded == 0 {
+            gauges.measure(&mut cpu);
+        } else {
+            record.interpret(&mut cpu).unwrap();
+        }
+    }
+    let [read, copy] = read;
+    let bits = |x: &[f32]| Vec::from_iter(x.iter().map(|x| x.to_bits()));
+    assert_eq!(bits(&read), bits(&copy), "{}", kernels.name());
+    read
+}
+
+/// While a heap falls: in the end, more of them read something.
+#[test]
+fn gauges_keep_their_bits() {
+    let model = heap().unwrap();
+    let kernels = TouchingFeatherstone::new(&model, &Settings::new(0.002)).unwrap();
+    let (parameters, links) = (parameters(&kernels), kernels.links());
+    let mut world = World::<f32>::new(&kernels, &model);
+    let mut busy = Vec::new();
+    for _ in 0..3 {
+        for _ in 0..100 {
+            kernels.step_in_parts(&mut world.cpu(&parameters, links));
+        }
+        kernels.report(&mut world.cpu(&parameters, links));
+        let read = measured(&kernels, &model, &mut world);
+        busy.push(read.iter().filter(|x| **x != 0.0).count());
+    }
+    assert!(busy[0] < busy[2], "{busy:?}");
 }

@@ -18,6 +18,8 @@ pub(crate) struct Compiled<T> {
     pub state: Vec<f64>,
     /// The model's own targets, and no force or control.
     pub input: Vec<f64>,
+    /// The share of the stiffness along each degree of freedom that acts.
+    pub acting: Vec<f64>,
 }
 
 impl<T: Float> Compiled<T> {
@@ -28,6 +30,7 @@ impl<T: Float> Compiled<T> {
         let state = engine.initial(model, &model.initial_position(), &at_rest);
         let input = InputTables::new(model).initial(model);
         Ok(Self {
+            acting: engine.acting(model),
             engine,
             state,
             input,

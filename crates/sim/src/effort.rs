@@ -6,10 +6,12 @@
 //! actuator   gear · clamp(gain · u + bias₀ + bias₁ l + bias₂ l̇, force range),   l = gear · q
 //! ```
 //!
-//! These are the laws of [`model::Drive`] and [`model::Actuator`] at the present state. A solver takes what damps at the end of
-//! its step, which is this state, and springs at a share of the way there (`docs/concepts/solvers.md`, Springs): what acted
-//! in the last substep differs by up to h k q̇. Drives that follow their targets with a lag
-//! ([`model::Drive::control_time`]), which only a solver knows, are taken to be there.
+//! These are the laws of [`model::Drive`] and [`model::Actuator`] at the present state, with as much of k, and of gain, bias₀ and
+//! bias₁ of an actuator that has a bias₁, as the solver takes: by `impulse` joints that share a body are no stiffer than small
+//! steps resolve. A solver takes what damps at the end of its step, which is this state, and springs at a share of the way
+//! there (`docs/concepts/solvers.md`, Springs): what acted in the last substep differs by up to h k q̇, with the k that acts.
+//! Drives that follow their targets with a lag ([`model::Drive::control_time`]), which only a solver knows, are taken to be
+//! there.
 
 use crate::{Outputs, Simulation};
 use glam::{DQuat, DVec3};
@@ -64,7 +66,14 @@ impl<T: Float> Effort<'_, T> {
         let dof = model.dof_range(a.joint).start + a.dof;
         let speed = self.outputs.dof_velocity(self.world, dof);
         let control = self.simulation.inputs().control(self.world, row);
-        actuator(a, control, [value, speed])
+        let pulls = a.bias[1] != 0.0;
+        let acts = if pulls { self.acting(dof) } else { 1.0 };
+        actuator(a, acts, control, [value, speed])
+    }
+
+    /// The share of the stiffness along a degree of freedom that acts.
+    fn acting(&self, dof: usize) -> f64 {
+        self.simulation.compiled(self.world).acting[dof]
     }
 
     /// The coordinate of a degree of freedom. Rotations of balls and free joints have none, and their servos no
@@ -96,7 +105,8 @@ impl<T: Float> Effort<'_, T> {
         let d = &law.drive;
         let speed = self.outputs.dof_velocity(self.world, dof);
         let wanted = inputs.target_velocity(self.world, dof) - speed;
-        (d.stiffness * error + d.damping * wanted).clamp(-d.effort_limit, d.effort_limit)
+        let stiffness = self.acting(dof) * d.stiffness;
+        (stiffness * error + d.damping * wanted).clamp(-d.effort_limit, d.effort_limit)
     }
 
     /// Of a ball joint; of others nothing, nor of one that closes a loop, which has no coordinates.
@@ -116,19 +126,22 @@ impl<T: Float> Effort<'_, T> {
         let error = DQuat::from_array(now).normalize().conjugate() * target;
         let error = if error.w < 0.0 { -error } else { error };
         let d = &joint.dofs[0].drive;
-        let force = d.stiffness * error.to_scaled_axis() + d.damping * (target_velocity - speed);
+        let stiffness = d.stiffness * along(&|i| self.acting(i));
+        let force = stiffness * error.to_scaled_axis() + d.damping * (target_velocity - speed);
         force.clamp_length_max(d.effort_limit)
     }
 }
 
-/// Of an actuator with this control, at its coordinate's value and speed, before its gear.
-fn actuator(a: &Actuator, control: f64, [value, speed]: [f64; 2]) -> f64 {
+/// Of an actuator of which so much acts, but for what damps, with this control, at its coordinate's value and speed, before its
+/// gear.
+fn actuator(a: &Actuator, acts: f64, control: f64, [value, speed]: [f64; 2]) -> f64 {
     let within = |x: f64, range: Option<(f64, f64)>| match range {
         Some((low, high)) => x.clamp(low, high),
         None => x,
     };
     let control = within(control, a.control_range);
     let [constant, position, velocity] = a.bias;
-    let force = a.gain * control + constant + a.gear * (position * value + velocity * speed);
+    let spring = a.gain * control + constant + a.gear * position * value;
+    let force = acts * spring + a.gear * velocity * speed;
     within(force, a.force_range)
 }

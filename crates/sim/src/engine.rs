@@ -52,6 +52,10 @@ pub(crate) trait Engine<T: Float>: Send + Sync {
     /// Where in the state the targets lie that drives follow with a lag.
     fn targets(&self) -> Vec<Range<usize>>;
     fn take_over(&self, bodies: &[f64], state: &mut [f64]);
+    /// The share of the stiffness along each degree of freedom that acts.
+    fn acting(&self, model: &Model) -> Vec<f64> {
+        vec![1.0; model.degrees_of_freedom()]
+    }
     /// Whether worlds are run one at a time, and several threads can work on one.
     fn shares_a_world(&self) -> bool {
         false

@@ -3,6 +3,7 @@
 //! By a kernel ([`rigid::Gauges`]): in lanes, or on the device that holds the worlds, of which no more than what is read
 //! comes back.
 
+use crate::compile::Compiled;
 use crate::device::Constants;
 use crate::error::{index, length};
 use crate::instrument::Reader;
@@ -79,7 +80,7 @@ impl<T: Float> Simulation<T> {
 
     /// The same of what the model has.
     pub(crate) fn checked_gauges(&self, list: Vec<Gauge>) -> Gauges<T> {
-        let compiled = self.compiled_gauges(self.model(), &list);
+        let compiled = self.compiled_gauges((self.model(), &self.shared), &list);
         let rows = self.last_reported().contact_rows(|_| true).len();
         let parts = list.iter().flat_map(|gauge| self.parts(gauge, rows));
         Gauges {
@@ -98,11 +99,17 @@ impl<T: Float> Simulation<T> {
         }
     }
 
-    fn compiled_gauges(&self, model: &Model, list: &[Gauge]) -> rigid::Gauges {
+    /// By the numbers of a model.
+    fn compiled_gauges(
+        &self,
+        (model, compiled): (&Model, &Compiled<T>),
+        list: &[Gauge],
+    ) -> rigid::Gauges {
         let reported = Reported {
             outputs: &self.output_tables,
             inputs: &self.input_tables,
             contact_shapes: self.shared.engine.contact_shapes(),
+            acting: &compiled.acting,
         };
         rigid::Gauges::new(model, &reported, list)
     }
@@ -176,7 +183,8 @@ impl<T: Float> Simulation<T> {
             }
             // Neighbours often share a model.
             if !last.as_ref().is_some_and(|(of, _)| Arc::ptr_eq(of, model)) {
-                last = Some((model, self.compiled_gauges(model, list)));
+                let own = (&**model, self.compiled(world));
+                last = Some((model, self.compiled_gauges(own, list)));
             }
             let parameters = last
                 .as_ref()
@@ -228,7 +236,9 @@ impl<T: Float> Simulation<T> {
                 vec![Motion(model.joints[joint.0].child), Reaction(*joint)]
             }
             Gauge::Touch(body) => contacts(*body),
-            Gauge::Pressing(_) | Gauge::Overlapping(_) | Gauge::PairForce(_) => vec![Contacts],
+            Gauge::Pressing(pairs) | Gauge::Overlapping(pairs) | Gauge::PairForce(pairs) => {
+                vec![Contacts; usize::from(!pairs.is_empty())]
+            }
             Gauge::ContactForce(body, _) => [contacts(*body), vec![Motion(*body)]].concat(),
             Gauge::FramePose(frames) => mounts(frames),
             Gauge::FrameVelocity(mount, _) => mounts(std::slice::from_ref(mount)),

@@ -41,9 +41,11 @@ impl<T: Float> Reader<T> {
     /// For so many worlds, in blocks of so many.
     pub fn new(instrument: Instrument, worlds: usize, width: usize) -> Self {
         let sheet = instrument.sheet();
-        let parameters = sheet.parameters.iter();
+        let mut common = Vec::from_iter(sheet.parameters.iter().map(|x| T::from_f64(*x)));
+        // Where there are none, one that nobody reads: so they are in common, and need not lie as lanes do.
+        common.resize(common.len().max(1), T::zero());
         Self {
-            common: parameters.map(|x| T::from_f64(*x)).collect(),
+            common,
             own: None,
             scratch: Scratch::new(sheet.lengths.scratch, width),
             numbers: Memory::new(worlds, sheet.lengths.output, width),

@@ -368,7 +368,7 @@ impl<T: Float> Simulation<T> {
             self.diverged.retain(|d| !again.contains(&d.world));
         }
     }
-    fn compiled(&self, world: usize) -> &Compiled<T> {
+    pub(crate) fn compiled(&self, world: usize) -> &Compiled<T> {
         let own = self.own.get(&world);
         own.map_or(&self.shared, |own| &own.compiled)
     }

@@ -5,8 +5,9 @@ use kinetarium_sim::{
     Processor, Quantity, Simulation, SimulationError, SimulationSettings, SolverKind, Watch,
 };
 use model::examples::{Start, chain, tower};
-use model::{BodyId, JointId, Model, Mount};
+use model::{BodyId, CollisionFilter, JointId, Model, Mount, ShapeId};
 use numbers::Memory;
+use rigid::impulse::Impulse;
 use rigid::{Instrument, Report, Solver};
 use std::ops::Range;
 use std::sync::{Arc, Mutex};
@@ -146,8 +147,12 @@ struct Notes {
     output: Vec<Vec<Range<usize>>>,
     /// In which worlds an instrument is.
     measured: Vec<Vec<usize>>,
+    /// Whether with constants of each world.
+    own: Vec<bool>,
     /// Whose constants are written.
     given: Vec<Vec<usize>>,
+    /// What is reported.
+    reports: Vec<Report>,
 }
 
 impl Device<f32> for Noting {
@@ -156,6 +161,15 @@ impl Device<f32> for Noting {
     }
     fn place(&self, _: Solver<'_>, _: usize) -> Result<Box<dyn DeviceWorlds<f32>>, DeviceError> {
         Ok(Box::new(NotingWorlds(Arc::clone(&self.0))))
+    }
+    fn place_piles(
+        &self,
+        _: &Impulse,
+        _: &Model,
+        _: Option<&CollisionFilter>,
+        _: usize,
+    ) -> Result<Option<Box<dyn DeviceWorlds<f32>>>, DeviceError> {
+        Ok(Some(Box::new(NotingWorlds(Arc::clone(&self.0)))))
     }
 }
 
@@ -178,7 +192,8 @@ impl DeviceWorlds<f32> for NotingWorlds {
     fn step(&mut self, _: usize, _: &mut Processor<'_, f32>) -> Result<(), DeviceError> {
         Ok(())
     }
-    fn report(&mut self, _: Report) -> Result<(), DeviceError> {
+    fn report(&mut self, report: Report) -> Result<(), DeviceError> {
+        self.0.lock().unwrap().reports.push(report);
         Ok(())
     }
     fn read_state(&mut self, _: &[Range<usize>], _: &mut Memory<f32>) -> Result<(), DeviceError> {
@@ -198,11 +213,13 @@ impl DeviceWorlds<f32> for NotingWorlds {
     fn measure(
         &mut self,
         _: &Arc<Instrument>,
-        _: Option<&Constants<f32>>,
+        own: Option<&Constants<f32>>,
         worlds: &[usize],
         _: &mut Memory<f32>,
     ) -> Result<bool, DeviceError> {
-        self.0.lock().unwrap().measured.push(worlds.to_vec());
+        let mut notes = self.0.lock().unwrap();
+        notes.measured.push(worlds.to_vec());
+        notes.own.push(own.is_some());
         Ok(true)
     }
 }
@@ -317,4 +334,68 @@ fn what_is_known_is_read_again_after_new_controls() {
     simulation.fetch_parts(more).unwrap();
     simulation.fetch_parts(motion).unwrap();
     assert_eq!(read(), 1);
+}
+
+/// Substeps are looked at when they have been made, as far as that goes, and not before the next ones.
+#[test]
+fn watching_costs_a_report_a_substep() {
+    use SolverKind::{Featherstone, Impulse, Xpbd};
+    let (contacts, limits) = ([true, false], [false, true]);
+    for solver in [Featherstone, Xpbd, Impulse] {
+        for (watched, expected) in [
+            (contacts, Report::Contacts),
+            (limits, Report::Joints),
+            ([true; 2], Report::Contacts),
+        ] {
+            let device = Noting::default();
+            let settings = SimulationSettings {
+                solver,
+                ..SimulationSettings::new(2, 0.004)
+            };
+            let model = tower(3, 0.001).unwrap();
+            let mut simulation = Simulation::on(&device, model, settings).unwrap();
+            let [contacts, limits] = watched;
+            simulation.watch(Watch {
+                contacts,
+                limits,
+                ..Watch::default()
+            });
+            // What there is when watching begins is looked at, too.
+            simulation.try_step(1).unwrap();
+            device.0.lock().unwrap().reports.clear();
+            for _ in 0..3 {
+                // New controls may change what follows from them.
+                simulation.controls();
+                simulation.try_step(1).unwrap();
+            }
+            let told = std::mem::take(&mut device.0.lock().unwrap().reports);
+            assert_eq!(told, [expected; 3], "{solver:?} {watched:?}");
+        }
+    }
+}
+
+/// What touches what follows from shapes that worlds of all models have.
+#[test]
+fn pairs_and_touch_have_no_constants_of_worlds() {
+    let device = Noting::default();
+    let model = tower(3, 0.001).unwrap();
+    let settings = SimulationSettings {
+        solver: SolverKind::Featherstone,
+        ..SimulationSettings::new(2, 0.004)
+    };
+    let mut simulation = Simulation::on(&device, model.clone(), settings).unwrap();
+    simulation.set_world_model(1, &model).unwrap();
+    let pairs = vec![[ShapeId(0), ShapeId(1)], [ShapeId(2), ShapeId(1)]];
+    for (gauge, expected) in [
+        (Gauge::Pressing(pairs.clone()), false),
+        (Gauge::Overlapping(pairs.clone()), false),
+        (Gauge::PairForce(pairs), false),
+        (Gauge::Touch(BodyId(0)), false),
+        (Gauge::CenterOfMass(None), true),
+    ] {
+        let mut gauges = simulation.gauges(vec![gauge.clone()]).unwrap();
+        simulation.read_gauges(&mut gauges, &[0, 1]).unwrap();
+        let own = std::mem::take(&mut device.0.lock().unwrap().own);
+        assert_eq!(own, [expected], "{gauge:?}");
+    }
 }

@@ -183,8 +183,13 @@ fn limits_are_those_of_each_world() {
         limits: true,
         ..Watch::default()
     };
-    for watched_before in [true, false] {
-        let mut simulation = Simulation::<f32>::new(scene(0.0), reduced(2)).unwrap();
+    let cases = SOLVERS.map(|solver| [(solver, true), (solver, false)]);
+    for (solver, watched_before) in cases.into_iter().flatten() {
+        let settings = SimulationSettings {
+            solver,
+            ..SimulationSettings::new(2, H)
+        };
+        let mut simulation = Simulation::<f32>::new(scene(0.0), settings).unwrap();
         if watched_before {
             simulation.watch(watch);
             simulation.step(5);
@@ -196,14 +201,14 @@ fn limits_are_those_of_each_world() {
         simulation.step(200);
         let told = simulation.drain_events();
         let [event] = told.as_slice() else {
-            panic!("{told:?}");
+            panic!("{solver:?}: {told:?}");
         };
         let lower = EventKind::LimitReached {
             dof: 6,
             upper: false,
         };
         assert_eq!((event.world, event.kind), (1, lower));
-        assert!((0.28..0.33).contains(&event.time), "{event:?}");
+        assert!((0.28..0.33).contains(&event.time), "{solver:?}: {event:?}");
     }
 }
 

@@ -8,7 +8,7 @@ mod models;
 use every_gauge::every_gauge;
 use glam::{DQuat, DVec3};
 use kinetarium_sim::{
-    Effort, FLAGS, Gauge, Gauges, Outputs, Simulation, SimulationError, SimulationSettings,
+    Effort, FLAGS, Gauge, Gauges, Outputs, Report, Simulation, SimulationError, SimulationSettings,
     SolverKind,
 };
 use model::{Axes, BodyId, BodyKind, JointId, Model, Mount, Pose, ShapeId};
@@ -383,6 +383,28 @@ fn worlds_are_read_by_their_own_numbers() {
     assert_eq!(known, expected, "and the first one again");
 }
 
+/// By `impulse`, drives and servos of a world act with as much of their stiffness as its own model's small steps resolve: with
+/// some 10⁴ N·m/rad of a hand of 0.002 kg·m².
+#[test]
+fn worlds_have_their_own_shares_of_stiffness() {
+    let model = models::mixed(false).unwrap();
+    let mut simulation = stirred::<f64>(&model, SolverKind::Impulse, 3);
+    let mut stiff = model.clone().into_parts();
+    for dof in stiff.joints.iter_mut().flat_map(|joint| &mut joint.dofs) {
+        dof.drive.stiffness *= 1e6;
+    }
+    stiff.actuators.iter_mut().for_each(|a| a.bias[1] *= 1e6);
+    let stiff = Model::new(stiff).unwrap();
+    simulation.set_world_model(1, &stiff).unwrap();
+    agree(&mut simulation, 1e-11);
+    let wrist = Gauge::JointEffort(vec![model.joint("wrist").unwrap()]);
+    let mut gauges = simulation.gauges(vec![wrist]).unwrap();
+    simulation.read_gauges(&mut gauges, &[0, 1]).unwrap();
+    let [plain, stiff] = [0, 1].map(|world| DVec3::from_slice(&read(&gauges, world, &(0..3))));
+    let more = stiff.length() / plain.length();
+    assert!((100.0..1e4).contains(&more), "{more}");
+}
+
 #[test]
 fn what_there_is_not_is_refused() {
     let model = models::mixed(false).unwrap();
@@ -418,4 +440,25 @@ fn what_there_is_not_is_refused() {
     let mut other = stirred::<f32>(&model, SolverKind::Xpbd, 2);
     let told = other.read_gauges(&mut gauges, &[0]).unwrap_err();
     assert!(matches!(told, SimulationError::OtherModel(_)), "{told}");
+}
+
+/// Nothing is worked out for pairs where there are none.
+#[test]
+fn no_pairs_need_no_contacts() {
+    let model = models::mixed(false).unwrap();
+    let joints = Vec::from_iter((0..model.joints.len()).map(JointId));
+    for solver in ALL {
+        let simulation = stirred::<f32>(&model, solver, 1);
+        let needs = |pairs: Vec<[ShapeId; 2]>| {
+            let gauges = simulation.gauges(vec![
+                Gauge::Pressing(pairs.clone()),
+                Gauge::Overlapping(pairs.clone()),
+                Gauge::PairForce(pairs),
+                Gauge::AtEnd(joints.clone()),
+            ]);
+            gauges.unwrap().needs()
+        };
+        assert_eq!(needs(vec![]), Report::Joints);
+        assert_eq!(needs(vec![[ShapeId(0), ShapeId(1)]]), Report::Contacts);
+    }
 }

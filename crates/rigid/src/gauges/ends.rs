@@ -1,8 +1,7 @@
 //! At which ends of their ranges joints are.
 
-use super::pairs::flag;
 use super::rows::{Notes, Rows};
-use super::{FLAGS, Told};
+use super::{FLAGS, Told, flag};
 use crate::OutputTables;
 use crate::tables::Filler;
 use model::{JointId, Model};
@@ -38,8 +37,8 @@ impl EndNotes {
                     let (lower, upper) = dof.limit.map_or((-NEVER, NEVER), |l| (l.lower, l.upper));
                     let first = 2 * (row + i);
                     let links = [outputs.position.at(coordinate, 0), to + first / FLAGS];
-                    self.0
-                        .add(links, [lower, upper, flag(first + 1), flag(first)]);
+                    let [low, high] = [first + 1, first].map(|i| flag(i) as f64);
+                    self.0.add(links, [lower, upper, low, high]);
                 }
             }
             row += dofs.len();

@@ -64,7 +64,8 @@ pub(super) struct Frames {
     imus: Rows<3, 0>,
     /// Of those in the world: FRAME, TO.
     still: Rows<2, 0>,
-    gravity: Table<Parameter, 3>,
+    /// Where there is any of these.
+    gravity: Option<Table<Parameter, 3>>,
     /// FRAME, JOINT, CHILD, TO; from the frame to the child's joint frame, in the child's axes.
     wrenches: Rows<4, 3>,
 }
@@ -135,6 +136,7 @@ impl FrameNotes {
         (model, outputs): (&Model, &OutputTables),
         [parameters, links, scratch]: [&mut usize; 3],
     ) -> Frames {
+        let felt = self.imus.len() + self.still.len() > 0;
         Frames {
             bodies: reported(outputs.body),
             accelerations: reported(outputs.body_acceleration),
@@ -146,7 +148,7 @@ impl FrameNotes {
             velocities: self.velocities.place(parameters, links),
             imus: self.imus.place(parameters, links),
             still: self.still.place(parameters, links),
-            gravity: Table::place(parameters, 1),
+            gravity: felt.then(|| Table::place(parameters, 1)),
             wrenches: self.wrenches.place(parameters, links),
         }
     }
@@ -167,7 +169,9 @@ impl Frames {
         self.imus.fill(&notes.imus, f);
         self.still.fill(&notes.still, f);
         self.wrenches.fill(&notes.wrenches, f);
-        f.vec3(self.gravity, 0, 0, model.gravity);
+        if let Some(gravity) = self.gravity {
+            f.vec3(gravity, 0, 0, model.gravity);
+        }
     }
 
     #[inline(always)]
@@ -255,7 +259,10 @@ impl Frames {
     /// An accelerometer reads a − g.
     #[inline(always)]
     fn tell_imus<M: Machine>(&self, k: &mut M, told: Told) {
-        let gravity = k.vec3(self.gravity, k.index(0), 0);
+        let Some(gravity) = self.gravity else {
+            return;
+        };
+        let gravity = k.vec3(gravity, k.index(0), 0);
         for row in self.imus.all(k) {
             let [frame, body, to] = self.imus.links(k, row);
             let Placed {

@@ -5,6 +5,7 @@
 //! the kernel is as long for a hundred as for one.
 
 mod center_of_mass;
+mod contacts;
 mod effort;
 mod ends;
 mod frames;
@@ -16,6 +17,7 @@ use crate::output::body;
 use crate::tables::Filler;
 use crate::{InputTables, OutputTables, Sheet};
 use center_of_mass::{CenterNotes, Centers};
+use contacts::{ContactNotes, Contacts};
 use effort::{EffortNotes, Efforts};
 use ends::{EndNotes, Ends};
 use frames::{FrameNotes, Frames};
@@ -30,6 +32,11 @@ use touch::{TouchNotes, Touches};
 /// Flags in a number: up to 2²⁴, whole numbers are exact in single precision.
 pub const FLAGS: usize = 24;
 
+/// What the flag of one of several counts in its number.
+fn flag(row: usize) -> usize {
+    1 << (row % FLAGS)
+}
+
 /// Something that is read of a world.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Gauge {
@@ -38,9 +45,10 @@ pub enum Gauge {
     /// Velocities of joints [m/s or rad/s].
     JointVelocity(Vec<JointId>),
     /// Forces of drives, actuators and a controller along degrees of freedom [N or N·m], by their laws at the present
-    /// state; drives take their targets as they are set, without a control time.
+    /// state, with as much of their stiffness as acts; drives take their targets as they are set, without a control time.
     JointEffort(Vec<JointId>),
-    /// Forces of actuators before their gears [N or N·m], by their laws at the present state; the rows of these.
+    /// Forces of actuators before their gears [N or N·m], by their laws at the present state, with as much of their stiffness
+    /// as acts; the rows of these.
     ActuatorForce(Vec<usize>),
     /// Acceleration of a frame's origin less that of gravity [m/s²], angular velocity [rad/s], in the frame's axes: 6.
     Imu(Mount),
@@ -104,6 +112,9 @@ pub struct Reported<'a> {
     /// The shapes of each row of contacts; none where they change from step to step, as they do only of solvers that step
     /// one world at a time.
     pub contact_shapes: &'a [[ShapeId; 2]],
+    /// The share of the stiffness along each degree of freedom that acts, by this model's numbers: see
+    /// [`Impulse::acting`](crate::impulse::Impulse::acting); of other solvers 1.
+    pub acting: &'a [f64],
 }
 
 /// Where gauges write.
@@ -119,6 +130,7 @@ fn reported<S: Space, T: Space, const W: usize>(table: Table<S, W>) -> Table<T, 
 struct AllNotes {
     copies: Notes<2, 0>,
     frames: FrameNotes,
+    contacts: ContactNotes,
     touches: TouchNotes,
     pairs: PairNotes,
     ends: EndNotes,
@@ -145,30 +157,33 @@ impl AllNotes {
             }
             Gauge::JointEffort(joints) => {
                 for &joint in joints {
-                    self.efforts.joint(model, joint, to);
+                    self.efforts.joint((model, all), joint, to);
                     to += model.dof_range(joint).len();
                 }
             }
             Gauge::ActuatorForce(rows) => {
                 for (i, &row) in rows.iter().enumerate() {
-                    self.efforts.actuator(model, (row, 1.0), to + i);
+                    self.efforts.actuator((model, all), (row, 1.0), to + i);
                 }
             }
             Gauge::Imu(mount) => self.frames.imu(model, mount, to),
             Gauge::ForceTorque(joint, frame) => self.frames.wrench(model, (*joint, *frame), to),
-            Gauge::Touch(body) => self.touches.touch((model, all), *body, to),
+            Gauge::Touch(body) => self
+                .touches
+                .touch(((model, all), &mut self.contacts), *body, to),
             Gauge::ContactForce(body, axes) => {
                 let own = |frames: &mut FrameNotes| frames.frame(model, &Mount::on(*body));
                 let axes = self.frames.axes(model, *axes, own);
-                self.touches.force((model, all), (*body, axes), to);
+                let of = ((model, all), &mut self.contacts);
+                self.touches.force(of, (*body, axes), to);
             }
             Gauge::FramePose([frame, relative]) => {
                 self.frames.pose(model, [frame, relative], to);
             }
             Gauge::FrameVelocity(mount, axes) => self.frames.velocity(model, (mount, *axes), to),
-            Gauge::Pressing(pairs) => self.pairs.presses(all, pairs, to),
-            Gauge::Overlapping(pairs) => self.pairs.overlaps(all, pairs, to),
-            Gauge::PairForce(pairs) => self.pairs.forces(all, pairs, to),
+            Gauge::Pressing(pairs) => self.pairs.presses((all, &mut self.contacts), pairs, to),
+            Gauge::Overlapping(pairs) => self.pairs.overlaps((all, &mut self.contacts), pairs, to),
+            Gauge::PairForce(pairs) => self.pairs.forces((all, &mut self.contacts), pairs, to),
             Gauge::AtEnd(joints) => self.ends.add((model, outputs), joints, to),
             Gauge::CenterOfMass(of) => {
                 if let (false, Some(of)) = (self.centers.center(model, *of, to), of) {
@@ -193,6 +208,7 @@ struct Tables {
     /// FROM, of `all`; TO.
     copies: Rows<2, 0>,
     frames: Frames,
+    contacts: Contacts,
     touches: Touches,
     pairs: Pairs,
     ends: Ends,
@@ -231,8 +247,11 @@ impl Gauges {
             frames: notes
                 .frames
                 .place(of, [&mut parameters, &mut links, &mut scratch]),
+            contacts: notes
+                .contacts
+                .place(reported, [&mut parameters, &mut links]),
             touches: notes.touches.place(of, [&mut parameters, &mut links]),
-            pairs: notes.pairs.place(reported, [&mut parameters, &mut links]),
+            pairs: notes.pairs.place(&mut parameters, &mut links),
             ends: notes.ends.place(&mut parameters, &mut links),
             efforts: notes.efforts.place(reported, [&mut parameters, &mut links]),
             centers: notes.centers.place(&mut parameters, &mut links),
@@ -240,13 +259,14 @@ impl Gauges {
         let mut f = Filler::new(parameters, links);
         tables.copies.fill(&notes.copies, &mut f);
         tables.frames.fill(&notes.frames, model, &mut f);
+        tables.contacts.fill(&notes.contacts, &mut f);
         tables.touches.fill(&notes.touches, model, &mut f);
         tables.pairs.fill(&notes.pairs, &mut f);
         tables.ends.fill(&notes.ends, &mut f);
         tables.efforts.fill(&notes.efforts, &mut f);
         tables.centers.fill(&notes.centers, &mut f);
         let sums = notes.touches.rounds() + notes.efforts.rounds() + notes.centers.rounds();
-        let flags = notes.pairs.rounds() + notes.ends.len();
+        let flags = notes.contacts.rounds() + notes.pairs.rounds() + notes.ends.len();
         let rounds = count + notes.copies.len() + notes.frames.rounds() + sums + flags;
         Self {
             tables,
@@ -279,8 +299,8 @@ impl Gauges {
         }
         t.frames.place(k);
         t.frames.tell(k, t.told);
-        t.touches.tell(k, &t.frames, t.told);
-        t.pairs.tell(k, t.told);
+        t.touches.tell(k, (&t.contacts, &t.frames), t.told);
+        t.pairs.tell(k, &t.contacts, t.told);
         t.ends.tell(k, t.all, t.told);
         t.efforts.tell(k, t.told);
         t.centers.tell(k, &t.frames, t.told);

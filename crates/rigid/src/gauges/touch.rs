@@ -1,88 +1,61 @@
 //! What touches bodies: sums over the contacts of the last step.
 
+use super::contacts::{ContactNotes, Contacts, meets};
 use super::frames::Frames;
 use super::rows::{Notes, Rows};
-use super::{Reported, Told, reported};
+use super::{Reported, Told};
 use crate::output::{OutputTables, contact};
 use crate::tables::Filler;
-use collide::FAR;
-use model::{BodyId, Model, ShapeId};
+use model::{BodyId, Model};
 use numbers::machine::Links;
-use numbers::machine::space::Input;
-use numbers::{Machine, Real, Table};
-use std::ops::Range;
+use numbers::{Machine, Real};
 
-/// Bodies that feel, and the rows of contacts that may be theirs.
+/// Bodies that feel.
 #[derive(Default)]
 pub(super) struct TouchNotes {
     touches: Notes<4, 0>,
     forces: Notes<5, 0>,
-    rows: Notes<1, 1>,
 }
 
-/// Where they lie. FIRST and END are those of `rows`, TO is the first number told.
+/// Where they lie. FIRST and END are rows of contacts, TO is the first number told.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Touches {
-    contacts: Table<Input, { contact::WIDTH }>,
-    /// The shapes of each contact, where they change from step to step, and the bodies of these.
-    found: Option<(Table<Input, 2>, Links)>,
+    /// The bodies of all shapes, where those of contacts change from step to step.
+    bodies: Option<Links>,
     /// FIRST, END, BODY, TO.
     touches: Rows<4, 0>,
     /// FIRST, END, BODY, FRAME in whose axes it is told, TO.
     forces: Rows<5, 0>,
-    /// CONTACT; 1 if its force is on the body, −1 if it is the body's.
-    rows: Rows<1, 1>,
 }
 
+/// What is reported of a model, and what is noted of it.
+type Of<'a> = ((&'a Model, &'a Reported<'a>), &'a mut ContactNotes);
+
 impl TouchNotes {
-    /// Notes the contacts of a body.
-    fn rows(&mut self, (model, reported): (&Model, &Reported<'_>), body: BodyId) -> Range<usize> {
-        let first = self.rows.len();
-        let of = |shape: ShapeId| model.shapes[shape.0].body == Some(body);
-        for row in 0..reported.outputs.contacts {
-            let sign = match reported.contact_shapes.get(row) {
-                Some([_, second]) if of(*second) => 1.0,
-                Some([first, _]) if of(*first) => -1.0,
-                Some(_) => continue,
-                None => 0.0,
-            };
-            self.rows.add([row], [sign]);
-        }
-        first..self.rows.len()
-    }
-    pub fn touch(&mut self, of: (&Model, &Reported<'_>), body: BodyId, to: usize) {
-        let Range { start, end } = self.rows(of, body);
-        self.touches.add([start, end, body.0, to], []);
+    pub fn touch(&mut self, (all, contacts): Of<'_>, body: BodyId, to: usize) {
+        let rows = contacts.of_body(all, body);
+        self.touches.add([rows.start, rows.end, body.0, to], []);
     }
     /// In the axes of a frame.
-    pub fn force(
-        &mut self,
-        of: (&Model, &Reported<'_>),
-        (body, frame): (BodyId, usize),
-        to: usize,
-    ) {
-        let Range { start, end } = self.rows(of, body);
-        self.forces.add([start, end, body.0, frame, to], []);
+    pub fn force(&mut self, (all, contacts): Of<'_>, (body, frame): (BodyId, usize), to: usize) {
+        let rows = contacts.of_body(all, body);
+        let links = [rows.start, rows.end, body.0, frame, to];
+        self.forces.add(links, []);
     }
-    /// How often loops go round.
+    /// How often loops go round, but for contacts.
     pub fn rounds(&self) -> usize {
-        self.touches.len() + self.forces.len() + self.rows.len()
+        self.touches.len() + self.forces.len()
     }
     pub fn place(
         &self,
         (model, outputs): (&Model, &OutputTables),
         [parameters, links]: [&mut usize; 2],
     ) -> Touches {
-        let found = outputs.names_contacts() && self.rows.len() > 0;
+        let found = outputs.names_contacts() && self.rounds() > 0;
         Touches {
-            contacts: reported(outputs.contact),
-            found: found.then(|| {
-                let bodies = Links::place(links, model.shapes.len());
-                (reported(outputs.touching), bodies)
-            }),
+            bodies: found.then(|| Links::place(links, model.shapes.len())),
             touches: self.touches.place(parameters, links),
             forces: self.forces.place(parameters, links),
-            rows: self.rows.place(parameters, links),
         }
     }
 }
@@ -91,8 +64,7 @@ impl Touches {
     pub fn fill(&self, notes: &TouchNotes, model: &Model, f: &mut Filler) {
         self.touches.fill(&notes.touches, f);
         self.forces.fill(&notes.forces, f);
-        self.rows.fill(&notes.rows, f);
-        if let Some((_, bodies)) = self.found {
+        if let Some(bodies) = self.bodies {
             for (row, shape) in model.shapes.iter().enumerate() {
                 let body = shape.body.map_or(model.bodies.len(), |body| body.0);
                 f.link(bodies, row, 0, body);
@@ -100,13 +72,18 @@ impl Touches {
         }
     }
 
-    /// Whether the force of a contact, in this row of `rows`, is on a body (1), or the body's (−1); 0 if neither.
+    /// Whether the force of a contact is on a body (1), or the body's (−1); 0 if neither.
     #[inline(always)]
-    fn sign<M: Machine>(&self, k: &M, [row, contact, body]: [M::I; 3]) -> M::R {
-        let Some((touching, bodies)) = self.found else {
-            return k.load(self.rows.numbers, row, 0);
+    fn sign<M: Machine>(
+        &self,
+        k: &M,
+        contacts: &Contacts,
+        [contact, turned, body]: [M::I; 3],
+    ) -> M::R {
+        let (Some(found), Some(bodies)) = (contacts.found, self.bodies) else {
+            return contacts.sign(k, turned);
         };
-        let [first, second] = k.read(touching, contact, 0);
+        let [first, second] = k.read(found, contact, 0);
         let is_of = |shape: M::R| {
             let carrier = k.link(bodies, k.whole(shape), 0);
             k.number(carrier).same(k.number(body))
@@ -117,16 +94,21 @@ impl Touches {
 
     /// Tells Σ |n · f|, and Σ ± f.
     #[inline(always)]
-    pub fn tell<M: Machine>(&self, k: &mut M, frames: &Frames, told: Told) {
+    pub fn tell<M: Machine>(
+        &self,
+        k: &mut M,
+        (contacts, frames): (&Contacts, &Frames),
+        told: Told,
+    ) {
         for gauge in self.touches.all(k) {
             let [first, end, body, to] = self.touches.links(k, gauge);
             for row in k.range(first, end) {
-                let [contact] = self.rows.links(k, row);
-                let met = meets(k.load(self.contacts, contact, contact::DISTANCE));
+                let [contact, turned] = contacts.rows.links(k, row);
+                let met = meets(k.load(contacts.told, contact, contact::DISTANCE));
                 if let Some(_branch) = k.if_any(met) {
-                    let sign = self.sign(k, [row, contact, body]);
-                    let normal = k.vec3(self.contacts, contact, contact::NORMAL);
-                    let pressure = normal.dot(k.vec3(self.contacts, contact, contact::FORCE));
+                    let sign = self.sign(k, contacts, [contact, turned, body]);
+                    let normal = k.vec3(contacts.told, contact, contact::NORMAL);
+                    let pressure = normal.dot(k.vec3(contacts.told, contact, contact::FORCE));
                     let pressure = (sign * pressure).abs();
                     k.add(told, to, 0, M::R::select(met, pressure, M::R::zero()));
                 }
@@ -136,21 +118,15 @@ impl Touches {
             let [first, end, body, frame, to] = self.forces.links(k, gauge);
             let axes = frames.orientation(k, frame);
             for row in k.range(first, end) {
-                let [contact] = self.rows.links(k, row);
-                let met = meets(k.load(self.contacts, contact, contact::DISTANCE));
+                let [contact, turned] = contacts.rows.links(k, row);
+                let met = meets(k.load(contacts.told, contact, contact::DISTANCE));
                 if let Some(_branch) = k.if_any(met) {
-                    let sign = self.sign(k, [row, contact, body]);
+                    let sign = self.sign(k, contacts, [contact, turned, body]);
                     let sign = M::R::select(met, sign, M::R::zero());
-                    let force = k.vec3(self.contacts, contact, contact::FORCE);
+                    let force = k.vec3(contacts.told, contact, contact::FORCE);
                     k.add_vec3(told, to, 0, axes.rotate_inverse(force * sign));
                 }
             }
         }
     }
-}
-
-/// Where there is a contact now, by its distance.
-#[inline(always)]
-pub(super) fn meets<R: Real>(distance: R) -> R::Mask {
-    distance.lt(R::lit(0.5 * FAR))
 }

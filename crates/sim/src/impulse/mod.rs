@@ -198,6 +198,9 @@ impl<T: Float> Engine<T> for Piles<T> {
     fn take_over(&self, bodies: &[f64], state: &mut [f64]) {
         self.impulse.take_over(bodies, state);
     }
+    fn acting(&self, model: &Model) -> Vec<f64> {
+        self.impulse.acting(model)
+    }
     fn forget(&self, world: usize) {
         let mut kept = self.kept_of(world);
         *kept = Kept {

@@ -3,8 +3,8 @@
 use crate::common::*;
 use fastrand::Rng;
 use glam::{DMat3, DQuat, DVec3};
-use kinetarium_sim::Simulation;
-use model::{Axis, BodyHandle, Builder, Drive, Model, Pose};
+use kinetarium_sim::{Effort, Gauge, Simulation};
+use model::{Axis, BodyHandle, Builder, Drive, JointId, Model, Pose};
 
 /// Symplectic Euler keeps v² + ω² q² − h ω² q v, ω = √(k/m), to rounding.
 #[test]
@@ -245,46 +245,90 @@ fn a_world_that_gets_lighter_stays_stable() {
     }
 }
 
-/// Two links held out level by a drive each: they come to rest where the drives' stiffness says, or where that is more than a
-/// small step resolves, where the largest would hold them that it does.
+/// Two links in a row, each held out level by a drive, or by a servo with a gear of 2 that is as stiff.
+fn held_out([mass, length, moment]: [f64; 3], stiffness: f64, by_servos: bool) -> Model {
+    let mut world = Builder::new("arm");
+    world.gravity(DVec3::Z * -9.81);
+    let object = world.object("");
+    let (damping, mut last) = (5.0, None);
+    for i in 0..2 {
+        let middle = DVec3::X * length * 0.5;
+        let inertia = DMat3::from_diagonal(DVec3::splat(moment));
+        let link = object.body(format!("link {i}"));
+        let link = link.inertia(mass, middle, inertia).handle();
+        let joint = object.revolute(format!("hinge {i}"), link, DVec3::Y);
+        if let Some(parent) = last {
+            let at = Pose::at(DVec3::X * length);
+            joint.parent(parent).frames(at, Pose::IDENTITY);
+        }
+        if by_servos {
+            let joint = joint.handle();
+            let servo = format!("servo {i}");
+            let servo = object.position_servo(servo, joint, stiffness / 4.0, damping / 4.0);
+            servo.gear(2.0);
+        } else {
+            joint.drive(Drive {
+                stiffness,
+                damping,
+                ..Drive::default()
+            });
+        }
+        last = Some(link);
+    }
+    world.build().unwrap()
+}
+
+/// What acts along the last joint, and what its servo does where it has one, twice: as gauges tell it, and by the laws of one
+/// world.
+fn efforts(simulation: &mut Simulation<f64>, by_servos: bool) -> [Vec<f64>; 2] {
+    let joint = Gauge::JointEffort(vec![JointId(1)]);
+    let servos = Gauge::ActuatorForce(Vec::from_iter((0..2).filter(|i| by_servos && *i == 1)));
+    let mut gauges = simulation.gauges(vec![joint, servos]).unwrap();
+    simulation.read_gauges(&mut gauges, &[0]).unwrap();
+    let mut read = vec![0.0; gauges.length()];
+    gauges.copy(0, 0, &mut read);
+    let told = simulation.observe(|simulation, outputs| {
+        let effort = Effort {
+            simulation,
+            outputs,
+            world: 0,
+        };
+        let mut told = Vec::new();
+        effort.of_joint(JointId(1), |force| told.push(force));
+        if by_servos {
+            told.push(effort.of_actuator(1));
+        } else {
+            assert_eq!(effort.of_drive(JointId(1), 0), told[0]);
+        }
+        told
+    });
+    [read, told.unwrap()]
+}
+
+/// They come to rest where their stiffness says, or where that is more than a small step resolves, where the largest would hold
+/// them that it does; and the effort told is what holds them.
 #[test]
 fn drives_hold_loads_as_stiffly_as_they_say() {
     let (mass, length, h) = (2.0, 0.3, 2e-3);
     let moment = mass * length * length / 12.0;
     for (steps, stiffness) in [(1, 500.0), (8, 500.0), (8, 3e4), (8, 1e9)] {
-        let mut world = Builder::new("arm");
-        world.gravity(DVec3::Z * -9.81);
-        let object = world.object("");
-        let mut last = None;
-        for i in 0..2 {
-            let middle = DVec3::X * length * 0.5;
-            let inertia = DMat3::from_diagonal(DVec3::splat(moment));
-            let link = object.body(format!("link {i}"));
-            let link = link.inertia(mass, middle, inertia).handle();
-            let joint = object.revolute(format!("hinge {i}"), link, DVec3::Y);
-            joint.drive(Drive {
-                stiffness,
-                damping: 5.0,
-                ..Drive::default()
-            });
-            if let Some(parent) = last {
-                let at = Pose::at(DVec3::X * length);
-                joint.parent(parent).frames(at, Pose::IDENTITY);
+        for by_servos in [false, true] {
+            let model = held_out([mass, length, moment], stiffness, by_servos);
+            let mut simulation = Method::Impulse(steps).simulate::<f64>(&model, h);
+            simulation.step(5000);
+            let sag = simulation.outputs().joint_position(0)[1];
+            let small = h / steps as f64;
+            let resolved = 0.5 * moment / (small * small);
+            let load = mass * 9.81 * length * 0.5;
+            let expected = load / f64::min(stiffness, resolved);
+            let name = format!("{steps} {stiffness} {by_servos}");
+            close(&name, sag, expected, 1e-3 * expected);
+            for told in efforts(&mut simulation, by_servos) {
+                close(&name, told[0], -load, 1e-3 * load);
+                if by_servos {
+                    close(&name, told[1], -0.5 * load, 1e-3 * load);
+                }
             }
-            last = Some(link);
         }
-        let model = world.build().unwrap();
-        let mut simulation = Method::Impulse(steps).simulate::<f64>(&model, h);
-        simulation.step(5000);
-        let sag = simulation.outputs().joint_position(0)[1];
-        let small = h / steps as f64;
-        let resolved = 0.5 * moment / (small * small);
-        let expected = mass * 9.81 * length * 0.5 / f64::min(stiffness, resolved);
-        close(
-            format!("{steps} {stiffness}"),
-            sag,
-            expected,
-            1e-3 * expected,
-        );
     }
 }

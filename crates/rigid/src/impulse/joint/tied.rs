@@ -9,6 +9,7 @@ use super::tables::{LAWS, ROWS, axis, joint, law};
 use crate::InputTables;
 use crate::tables::UNBOUNDED;
 use glam::{DQuat, DVec3};
+use model::Model;
 use numbers::{Cpu, Float, PerWorld};
 use std::iter::{repeat, repeat_n};
 
@@ -230,6 +231,22 @@ impl Impulse {
     fn controls<'a, T>(&'a self, input: &'a [T]) -> Controls<'a, T> {
         let tables = &self.input;
         Controls { tables, input }
+    }
+
+    /// The share of the stiffness along each degree of freedom of a model that acts, by this solver's own constants: springs,
+    /// drives and servos of a joint that shares a body are together no stiffer than small steps resolve.
+    pub fn acting(&self, model: &Model) -> Vec<f64> {
+        let given = self.constants(self.parameters());
+        let mut shares = vec![1.0; model.degrees_of_freedom()];
+        for (i, tie) in self.ties.list.iter().enumerate() {
+            for (row, freedom) in tie.freedoms.iter().enumerate() {
+                if let Some(freedom) = freedom {
+                    let x = given.dof(i, row);
+                    shares[freedom.dof] = given.stiffness_that_acts(freedom, &x);
+                }
+            }
+        }
+        shares
     }
 
     /// What determines the forces along a joint's axes.
