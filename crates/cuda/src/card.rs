@@ -130,7 +130,9 @@ impl Cuda {
         numbers: &[T],
     ) -> Result<CudaSlice<T>, CudaError> {
         let mut memory = self.memory(numbers.len())?;
-        self.told(self.stream().memcpy_htod(numbers, &mut memory))?;
+        if !numbers.is_empty() {
+            self.told(self.stream().memcpy_htod(numbers, &mut memory))?;
+        }
         Ok(memory)
     }
 
