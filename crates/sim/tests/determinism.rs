@@ -533,7 +533,7 @@ fn trajectories_have_the_recorded_bits() {
 #[cfg(all(target_arch = "x86_64", target_os = "linux", target_env = "gnu"))]
 const GOLDEN: [[[u64; 2]; 5]; 2] = [
     [
-        [0xfd73_9877_a5d8_7182, 0xe1a9_68c3_0b90_d1b0],
+        [0x6721_b27b_9116_ba8f, 0xf9b2_fa6c_8ac0_c57b],
         [0x4926_917d_b422_4958, 0x2026_8b3d_5ded_1474],
         [0x9db9_dafd_106d_d880, 0x0f98_db08_54ba_f050],
         [0x6062_6cf5_87fc_594c, 0xc3b5_e2f6_77d7_dcde],
