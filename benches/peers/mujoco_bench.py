@@ -63,7 +63,7 @@ def chain_mjcf(links: int) -> str:
 
 
 def load(path: str, integrator: str, timestep: float, contacts: str = "none") -> mujoco.MjModel:
-    """Loads a model whose bodies touch nothing, the ground, or all; "limits" has joint limits, "none" no constraint at all."""
+    """Loads a model whose bodies touch nothing ("none" and "limits", with joint limits), the ground, or all."""
     model = mujoco.MjModel.from_xml_path(path)
     model.opt.integrator = INTEGRATORS[integrator]
     model.opt.timestep = timestep
