@@ -13,9 +13,9 @@
 //! w = q̇ + h (q̈⁻ + u / D)      |q̇'| = |w| − h f / D
 //! ```
 //!
-//! In the first pass over the tree u is that of a parent that accelerates as in the step before, which is exact for one joint.
-//! Further ones, while c q̇' is not the friction, have it from the q̈ of the pass before: D q̈⁻ + u = (D + h c) q̈ + c q̇. What is right keeps
-//! its c, so that a pass that another world needs finds the same again.
+//! In the first pass over the tree u is that of a parent that accelerates as in the step before, which is exact for one
+//! joint. Further ones, while c q̇' is not the friction, have it from the q̈ of the pass before: D q̈⁻ + u = (D + h c) q̈ + c
+//! q̇. What is right keeps its c, so that a pass that another world needs finds the same again.
 //!
 //! Limitation: loops and couplings lock rows that are solved after the passes, and make a joint move on whatever its
 //! friction is. What that lacked in a step, their forces would bear in the next, in which w would fall short by it: both
