@@ -27,7 +27,8 @@
 //! two bodies' levels the lower counts. A spring that steps resolve, ω h < 1, keeps what swings on it, and a stiff one comes to
 //! rest, as with levels above 1 it would not. Three quarters of M are left for what is not linear.
 
-use crate::featherstone::tables::{Forest, Node, is_rigid, motion, steiner};
+use crate::featherstone::forest::{Forest, Node, steiner, turned};
+use crate::featherstone::tables::{is_rigid, motion};
 use glam::{DMat3, DQuat, DVec3};
 use model::{
     Axis, AxisKind, Body, BodyId, BodyKind, Joint, JointId, JointKind, MassProperties, Model, Pose,
@@ -316,12 +317,6 @@ fn along(node: &Node, parent: Option<&Node>, axis: DVec3) -> f64 {
     least_of_turns(around, PI).min(at(level))
 }
 
-/// An inertia in axes that are turned.
-fn turned(inertia: DMat3, turn: DQuat) -> DMat3 {
-    let turn = DMat3::from_quat(turn);
-    turn * inertia * turn.transpose()
-}
-
 /// The least twice the kinetic energy of a node with its parent, which moves as it likes, where the node turns by `spin` and
 /// its centre goes by `speed` as seen from the parent, and has moved by `moved`:
 ///
@@ -421,8 +416,8 @@ fn free_inertia(model: &Model, joint: &Joint) -> Vec<f64> {
         JointKind::Free => [each(Axis::linear), each(Axis::angular)].concat(),
         _ => joint.axes.clone(),
     };
-    let turned = |axis: &&Axis| axis.kind == AxisKind::Angular;
-    let anchor = axes.iter().find(turned).map_or(DVec3::ZERO, |a| a.anchor);
+    let angular = |axis: &&Axis| axis.kind == AxisKind::Angular;
+    let anchor = axes.iter().find(angular).map_or(DVec3::ZERO, |a| a.anchor);
     let dynamic = |id: BodyId| Some(&model.bodies[id.0]).filter(|b| b.kind == BodyKind::Dynamic);
     let (parent, child) = (joint.parent.and_then(dynamic), dynamic(joint.child));
     let corners = travelled(joint, anchor);

@@ -3,8 +3,9 @@
 
 use super::closing::Closing;
 use super::coupling::Coupled;
+use super::forest::Forest;
 use super::locked::{Law, Locked};
-use super::tables::{Forest, couple_link};
+use super::tables::couple_link;
 use crate::contacts::ContactPlan;
 use model::Model;
 use std::collections::HashMap;

@@ -24,6 +24,7 @@ mod coupling;
 pub mod dynamics;
 mod factor;
 mod force;
+pub(crate) mod forest;
 mod friction;
 mod gauss_seidel;
 mod integrate;

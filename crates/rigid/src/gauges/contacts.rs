@@ -1,11 +1,11 @@
 //! The contacts of the last step: which of them may be those of two shapes or of a body, and on which side their forces are.
 
 use super::rows::{Notes, Rows};
-use super::{Reported, reported};
+use super::{Of, Reported, reported};
 use crate::output::contact;
 use crate::tables::Filler;
 use collide::FAR;
-use model::{BodyId, Model, ShapeId};
+use model::{BodyId, ShapeId};
 use numbers::machine::space::Input;
 use numbers::{Machine, Real, Table};
 use std::collections::HashMap;
@@ -38,8 +38,7 @@ impl ContactNotes {
         self.since(first)
     }
     /// Rows that may be those of a body, with their forces on it.
-    pub fn of_body(&mut self, of: (&Model, &Reported<'_>), body: BodyId) -> Range<usize> {
-        let (model, given) = of;
+    pub fn of_body(&mut self, (model, given): Of<'_>, body: BodyId) -> Range<usize> {
         if given.outputs.names_contacts() {
             return self.of_anything(given);
         }

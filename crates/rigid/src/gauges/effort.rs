@@ -10,7 +10,7 @@
 //! ([`Reported::acting`]). Drives that follow their targets with a lag are taken to be there.
 
 use super::rows::{Notes, Rows};
-use super::{Reported, Told, reported};
+use super::{Of, Reported, Told, reported};
 use crate::tables::{Filler, actuator_numbers, bounded};
 use model::{Actuator, Drive, JointId, JointKind, Model};
 use numbers::functions::wrap;
@@ -45,9 +45,6 @@ pub(super) struct Efforts {
     /// COORDINATE, DOF, ACTUATOR, TO; its numbers, and how many times its force is told.
     actuators: Rows<4, 10>,
 }
-
-/// A model, and what is reported of it.
-type Of<'a> = (&'a Model, &'a Reported<'a>);
 
 impl EffortNotes {
     /// All that acts along a joint's degrees of freedom.

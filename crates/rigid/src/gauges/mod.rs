@@ -117,6 +117,9 @@ pub struct Reported<'a> {
     pub acting: &'a [f64],
 }
 
+/// A model, and what is reported of it.
+type Of<'a> = (&'a Model, &'a Reported<'a>);
+
 /// Where gauges write.
 type Told = Table<Output>;
 
@@ -140,7 +143,7 @@ struct AllNotes {
 
 impl AllNotes {
     /// Notes that a gauge tells its numbers from `to` on.
-    fn add(&mut self, (model, all): (&Model, &Reported<'_>), gauge: &Gauge, mut to: usize) {
+    fn add(&mut self, (model, all): Of<'_>, gauge: &Gauge, mut to: usize) {
         let outputs = all.outputs;
         match gauge {
             Gauge::JointPosition(joints) => {

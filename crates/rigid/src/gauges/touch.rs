@@ -3,7 +3,7 @@
 use super::contacts::{ContactNotes, Contacts, meets};
 use super::frames::Frames;
 use super::rows::{Notes, Rows};
-use super::{Reported, Told};
+use super::{Of, Told};
 use crate::output::{OutputTables, contact};
 use crate::tables::Filler;
 use model::{BodyId, Model};
@@ -28,16 +28,21 @@ pub(super) struct Touches {
     forces: Rows<5, 0>,
 }
 
-/// What is reported of a model, and what is noted of it.
-type Of<'a> = ((&'a Model, &'a Reported<'a>), &'a mut ContactNotes);
+/// What is reported of a model, and what is noted of its contacts.
+type OfContacts<'a> = (Of<'a>, &'a mut ContactNotes);
 
 impl TouchNotes {
-    pub fn touch(&mut self, (all, contacts): Of<'_>, body: BodyId, to: usize) {
+    pub fn touch(&mut self, (all, contacts): OfContacts<'_>, body: BodyId, to: usize) {
         let rows = contacts.of_body(all, body);
         self.touches.add([rows.start, rows.end, body.0, to], []);
     }
     /// In the axes of a frame.
-    pub fn force(&mut self, (all, contacts): Of<'_>, (body, frame): (BodyId, usize), to: usize) {
+    pub fn force(
+        &mut self,
+        (all, contacts): OfContacts<'_>,
+        (body, frame): (BodyId, usize),
+        to: usize,
+    ) {
         let rows = contacts.of_body(all, body);
         let links = [rows.start, rows.end, body.0, frame, to];
         self.forces.add(links, []);

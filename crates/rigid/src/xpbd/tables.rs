@@ -10,7 +10,7 @@ use super::laws::{self, LawTables};
 use super::seats::{Seats, jointed};
 use super::topology::closings;
 use crate::contacts::{ContactPlan, ContactTables, Kept};
-use crate::featherstone::tables::Forest;
+use crate::featherstone::forest::Forest;
 use crate::implicitness::implicitness;
 use crate::locks::{Locks, turns};
 use crate::output::{OutputTables, body};
